@@ -1,0 +1,69 @@
+"""Every error that a user can meet.
+
+Each class builds its own message: what was wrong, where, what was expected and what would be valid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+
+class SbamError(Exception):
+    """Base of all errors that are a user's to mend; the command line prints them without a traceback."""
+
+
+class UnknownNameError(SbamError):
+    """A name that is not known; lists the names that are."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str], where: str = "") -> None:
+        self.kind, self.name, self.known = kind, name, tuple(known)
+        place = f" in {where}" if where else ""
+        valid = ", ".join(repr(k) for k in self.known) or "none"
+        super().__init__(f"unknown {kind} {name!r}{place}; known: {valid}")
+
+
+class FileFormatError(SbamError):
+    """A file that cannot be used; says the file, the place inside it and what was expected."""
+
+    def __init__(self, path: str | Path, where: str, problem: str, expected: str = "") -> None:
+        self.path, self.where, self.problem, self.expected = Path(path), where, problem, expected
+        place = f" at {where}" if where else ""
+        hint = f" (expected {expected})" if expected else ""
+        super().__init__(f"{path}{place}: {problem}{hint}")
+
+
+class FileVersionError(SbamError):
+    """A file written by a later version of the format."""
+
+    def __init__(self, path: str | Path, found: int, supported: int) -> None:
+        super().__init__(
+            f"{path}: format version {found} is later than {supported}, the latest that this installation reads; "
+            "update it with `pip install --upgrade sbam`"
+        )
+
+
+class DemonstrationError(SbamError):
+    """A demonstration that cannot be learned from."""
+
+    def __init__(self, name: str, problem: str, remedy: str = "") -> None:
+        super().__init__(f"demonstration {name!r}: {problem}" + (f"; {remedy}" if remedy else ""))
+
+
+class BindingError(SbamError):
+    """The scene lacks an object with the affordances that a role of the model needs."""
+
+
+class UnreachableError(SbamError):
+    """No configuration of the robot satisfies what is wanted; names keypoint, term and joint."""
+
+
+class TrajectoryError(SbamError):
+    """A trajectory that a receiver would reject."""
+
+
+class OutputError(SbamError):
+    """A file that could not be written; nothing half-written is left behind."""
+
+    def __init__(self, path: str | Path, problem: str) -> None:
+        super().__init__(f"cannot write {path}: {problem}; nothing was left at that place")

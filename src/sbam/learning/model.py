@@ -1,0 +1,98 @@
+"""The Spatial Bimanual Action Model (SBAM): what was learned from the demonstrations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.demonstrations.demonstration import Hand
+from sbam.learning.generalization import GeneralizedChange
+
+Mode = Literal["default", "paper"]
+
+
+@dataclass(frozen=True)
+class Role:
+    """A part that any object with these affordances can play.
+
+    Attributes:
+        name: the most telling affordance with underscores, such as ``pour_from``.
+        affordances: the affordances that an object must bear, sorted.
+        moves: whether the object was moved in the demonstrations.
+        demonstrated: names of the object models that played it, sorted.
+    """
+
+    name: str
+    affordances: tuple[str, ...]
+    moves: bool
+    demonstrated: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """An event that recurs in every demonstration, at its mean time.
+
+    Attributes:
+        kind: ``start``, ``lift``, ``place``, ``reversal``, ``tilt`` or ``end``.
+        role: the role whose object shows it, or None for start and end.
+        time: mean time, s on the model's time axis.
+    """
+
+    kind: str
+    role: str | None
+    time: float
+
+
+@dataclass(frozen=True)
+class HandHold:
+    """When one hand holds the object of one role, and where.
+
+    Attributes:
+        role: what is held.
+        hand: by which hand of the agent.
+        grasp: mean time of the grasp, s on the model's time axis.
+        release: mean time of the release, s on the model's time axis.
+        hand_position: (D, 3) position of the hand in the object's frame, one row per demonstration, m; (0, 3) if the
+            recordings hold no hands (then ``hand`` is a choice, not an observation).
+    """
+
+    role: str
+    hand: Hand
+    grasp: float
+    release: float
+    hand_position: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ActionModel:
+    """A Spatial Bimanual Action Model.
+
+    Attributes:
+        name: name of the task.
+        constraint: constraint type: ``cartesian``, ``cylindrical`` or ``symbolic``.
+        mode: ``default`` or ``paper``.
+        roles: the parts objects play.
+        changes: one generalised change per region pair.
+        anchors: recurring events in order of time; first ``start`` (0), last ``end`` (= duration).
+        keypoint_times: (K,) s on the model's time axis, strictly increasing, first 0, last the duration.
+        holds: who holds what, when.
+        synthetic: True if any demonstration was synthetic.
+    """
+
+    name: str
+    constraint: str
+    mode: Mode
+    roles: tuple[Role, ...]
+    changes: tuple[GeneralizedChange, ...]
+    anchors: tuple[Anchor, ...]
+    keypoint_times: NDArray[np.float64]
+    holds: tuple[HandHold, ...]
+    synthetic: bool
+
+    @property
+    def duration(self) -> float:
+        """Duration on the model's time axis, s."""
+        return float(self.keypoint_times[-1])

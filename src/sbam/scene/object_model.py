@@ -1,0 +1,91 @@
+"""Object model: affordance regions, simple geometry and where the object can be grasped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform
+
+from sbam.errors import UnknownNameError
+from sbam.scene.affordance_region import AffordanceRegion
+
+
+@dataclass(frozen=True)
+class Primitive:
+    """A geometric primitive for drawing, collision and physics.
+
+    Attributes:
+        kind: ``box`` (size = half-extents), ``cylinder`` and ``capsule`` (size = radius, half-length along local z),
+            ``sphere`` (size = radius); m.
+        size: (3,), (2,) or (1,) m, as ``kind`` says.
+        T_object_primitive: pose in the object's frame.
+        rgba: colour, (4,), 0 to 1.
+    """
+
+    kind: Literal["box", "cylinder", "capsule", "sphere"]
+    size: NDArray[np.float64]
+    T_object_primitive: RigidTransform
+    rgba: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class GraspRegion:
+    """Where a hand can hold the object.
+
+    Attributes:
+        name: unique within the object, such as ``body`` or ``handle left``.
+        kind: ``around`` for vessels held from the side, ``across`` for bars held across their axis.
+        center: a point on the axis, (3,), object frame, m.
+        axis: unit axis of the vessel or bar, (3,), object frame; for vessels it points up when the object stands.
+        half_length: how far along the axis from ``center`` a hand may hold, m.
+        width: outer diameter, or the distance of opposite faces, m.
+        faces: number of flat faces around the axis (4 for a square carton), or 0 for round.
+    """
+
+    name: str
+    kind: Literal["around", "across"]
+    center: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    half_length: float
+    width: float
+    faces: int = 0
+
+
+@dataclass(frozen=True)
+class ObjectModel:
+    """What SBAM knows of a kind of object.
+
+    Attributes:
+        name: name in the object library.
+        affordance_regions: its regions, unique by affordance.
+        geometry: primitives for drawing, collision and physics.
+        grasp_regions: where hands can hold it.
+        up: unit vector that points up when the object stands, (3,), object frame.
+        movable: False for furniture.
+        mass: kg.
+        description: what it is and where its numbers come from.
+    """
+
+    name: str
+    affordance_regions: tuple[AffordanceRegion, ...]
+    geometry: tuple[Primitive, ...]
+    grasp_regions: tuple[GraspRegion, ...]
+    up: NDArray[np.float64]
+    movable: bool
+    mass: float
+    description: str = ""
+
+    @property
+    def affordances(self) -> tuple[str, ...]:
+        """Names of all affordances, in file order."""
+        return tuple(region.affordance for region in self.affordance_regions)
+
+    def region(self, affordance: str) -> AffordanceRegion:
+        """The region with that affordance; raises `UnknownNameError` that lists the known ones."""
+        for region in self.affordance_regions:
+            if region.affordance == affordance:
+                return region
+        raise UnknownNameError("affordance", affordance, self.affordances, f"object {self.name!r}")
