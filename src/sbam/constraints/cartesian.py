@@ -1,0 +1,41 @@
+"""Cartesian affordance constraint, CaAC (paper, section III-A1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from sbam.constraints.base import Array, ConstraintType
+
+
+@dataclass(frozen=True)
+class Cartesian(ConstraintType):
+    """Channels x, y, z (m); similarity ``sum_c w_c^2 (c - c*)^2``."""
+
+    name: ClassVar[str] = "cartesian"
+    channel_names: ClassVar[tuple[str, ...]] = ("x", "y", "z")
+    channel_units: ClassVar[tuple[str, ...]] = ("m", "m", "m")
+
+    def channels(self, d: Array) -> Array:
+        """The vector itself."""
+        return np.array(d, dtype=np.float64)
+
+    def jacobian(self, d: Array) -> Array:
+        """The identity, (..., 3, 3)."""
+        return np.broadcast_to(np.eye(3), (*np.shape(d), 3)).copy()
+
+    def residual(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
+        """``w (d - d*)``, (..., 3); see `ConstraintType.residual`."""
+        return weight * (d - target)
+
+    def residual_jacobian(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
+        """``diag(w)``, (..., 3, 3)."""
+        jacobian = np.zeros((*np.broadcast_shapes(np.shape(d), np.shape(weight)), 3))
+        jacobian[..., range(3), range(3)] = weight
+        return jacobian
+
+    def weights(self, std: Array, target: Array) -> Array:
+        """Weights of x, y and z; see `ConstraintType`."""
+        return self._length_weight(np.asarray(std, dtype=np.float64))

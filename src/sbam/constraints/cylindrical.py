@@ -1,0 +1,92 @@
+"""Cylindrical affordance constraint, CyAC (paper, section III-A2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from sbam.constraints.base import Array, ConstraintType, smooth_radius, wrap
+
+
+@dataclass(frozen=True)
+class Cylindrical(ConstraintType):
+    """Channels rho (m), phi (rad), z (m).
+
+    Similarity in mode ``paper``, the paper's formula with the wrapped difference, which makes it continuous and
+    independent of where the azimuth is measured from, with ``a = w_phi wrap(phi - phi*)``::
+
+        s = w_rho^2 (rho^2 + rho*^2 - 2 rho rho* cos a) + w_z^2 (z - z*)^2
+          = |(w_rho (rho cos a - rho*), w_rho rho sin a, w_z (z - z*))|^2
+
+    In mode ``default``, where the three weights are independent, with the azimuth's unit vectors u and u*::
+
+        s = w_rho^2 (rho - rho*)^2 + w_phi^2 (2 sin((phi - phi*) / 2))^2 + w_z^2 (z - z*)^2
+          = |(w_rho (rho - rho*), w_phi (u - u*), w_z (z - z*))|^2
+    """
+
+    name: ClassVar[str] = "cylindrical"
+    channel_names: ClassVar[tuple[str, ...]] = ("rho", "phi", "z")
+    channel_units: ClassVar[tuple[str, ...]] = ("m", "rad", "m")
+
+    def channels(self, d: Array) -> Array:
+        """Radius, azimuth in [-pi, pi] and elevation."""
+        return np.stack([np.hypot(d[..., 0], d[..., 1]), np.arctan2(d[..., 1], d[..., 0]), d[..., 2]], axis=-1)
+
+    def jacobian(self, d: Array) -> Array:
+        """Derivatives (..., 3, 3)."""
+        _, slope, rho = smooth_radius(d, 0.0)
+        jacobian = np.zeros((*np.shape(d), 3))
+        jacobian[..., 0, :2] = slope
+        # Twice by rho: its square underflows before rho does.
+        jacobian[..., 1, 0] = -d[..., 1] / rho / rho
+        jacobian[..., 1, 1] = d[..., 0] / rho / rho
+        jacobian[..., 2, 2] = 1.0
+        return jacobian
+
+    def residual(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
+        """(..., 3) in mode ``paper``, (..., 4) in mode ``default``; see the class and `ConstraintType.residual`."""
+        radius, _, denominator = smooth_radius(d, delta_rho)
+        elevation = weight[..., 2] * (d[..., 2] - target[..., 2])
+        if self.mode == "paper":
+            angle = weight[..., 1] * wrap(np.arctan2(d[..., 1], d[..., 0]) - target[..., 1])
+            along = weight[..., 0] * (radius * np.cos(angle) - target[..., 0])
+            return np.stack([along, weight[..., 0] * radius * np.sin(angle), elevation], axis=-1)
+        right = weight[..., 1] * (d[..., 0] / denominator - np.cos(target[..., 1]))
+        forward = weight[..., 1] * (d[..., 1] / denominator - np.sin(target[..., 1]))
+        return np.stack([weight[..., 0] * (radius - target[..., 0]), right, forward, elevation], axis=-1)
+
+    def residual_jacobian(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
+        """Derivative (..., 3 or 4, 3) of `residual`."""
+        _, slope, denominator = smooth_radius(d, delta_rho)
+        unit = d[..., :2] / denominator[..., None]
+        jacobian = np.zeros((*np.shape(denominator), 3 if self.mode == "paper" else 4, 3))
+        jacobian[..., -1, 2] = weight[..., 2]
+        w_rho, w_phi = weight[..., 0, None], weight[..., 1, None]
+        if self.mode == "paper":
+            angle = w_phi * wrap(np.arctan2(d[..., 1], d[..., 0]) - target[..., 1])[..., None]
+            cosine, sine = np.cos(angle), np.sin(angle)
+            turn = w_phi * np.stack([-unit[..., 1], unit[..., 0]], axis=-1)  # radius times the angle's derivative
+            jacobian[..., 0, :2] = w_rho * (cosine * slope - sine * turn)
+            jacobian[..., 1, :2] = w_rho * (sine * slope + cosine * turn)
+            return jacobian
+        jacobian[..., 0, :2] = w_rho * slope
+        scale = w_phi[..., 0] / denominator
+        cross = -scale * unit[..., 0] * unit[..., 1]
+        jacobian[..., 1, 0] = scale * (1.0 - unit[..., 0] ** 2)
+        jacobian[..., 1, 1] = cross
+        jacobian[..., 2, 0] = cross
+        jacobian[..., 2, 1] = scale * (1.0 - unit[..., 1] ** 2)
+        return jacobian
+
+    def weights(self, std: Array, target: Array) -> Array:
+        """Weights of rho, phi and z; the floor of the azimuth is ``length_floor / rho*``, see `ConstraintType`."""
+        std = np.asarray(std, dtype=np.float64)
+        weight = self._length_weight(std)
+        if self.mode == "paper":
+            weight[..., 1] = 1.0 / (1.0 + std[..., 1])
+        else:
+            rho = np.abs(target[..., 0])
+            weight[..., 1] = rho / np.hypot(rho * std[..., 1], self.length_floor)
+        return weight

@@ -1,0 +1,133 @@
+"""Symbolic spatial affordance constraint, SSAC (paper, section III-A3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from scipy.special import i0e
+
+from sbam.constraints.base import MILLIMETRES_PER_METRE, Array, ConstraintType, smooth_radius
+
+
+@dataclass(frozen=True)
+class SpatialRelation:
+    """One row of the paper's table of spatial relations.
+
+    The paper heads the spreads "sigma^2"; read as standard deviations they reproduce its log-densities.
+
+    Attributes:
+        name: name of the relation.
+        mean_rho: mean of the radius's normal distribution, m.
+        std_rho: its standard deviation, m.
+        mean_phi: mean of the azimuth's von Mises distribution, rad.
+        kappa_phi: its concentration.
+        mean_z: mean of the elevation's normal distribution, m.
+        std_z: its standard deviation, m.
+    """
+
+    name: str
+    mean_rho: float
+    std_rho: float
+    mean_phi: float
+    kappa_phi: float
+    mean_z: float
+    std_z: float
+
+
+SPATIAL_RELATIONS = (
+    SpatialRelation("above", 0.0, 0.25, 0.0, 1e-5, 0.25, 0.1),
+    SpatialRelation("below", 0.0, 0.25, 0.0, 1e-5, -0.25, 0.1),
+    SpatialRelation("close", 0.0, 0.1, 0.0, 1e-5, 0.0, 0.25),
+    SpatialRelation("far_away", 0.5, 0.1, 0.0, 1e-5, 0.0, 0.25),
+    SpatialRelation("in_front", 0.0, 0.25, 1.5 * np.pi, 5.0, 0.0, 0.25),
+    SpatialRelation("behind", 0.0, 0.25, 0.5 * np.pi, 5.0, 0.0, 0.25),
+    SpatialRelation("left", 0.0, 0.25, np.pi, 5.0, 0.0, 0.25),
+    SpatialRelation("right", 0.0, 0.25, 0.0, 5.0, 0.0, 0.25),
+)
+
+
+def _linear_form(relations: tuple[SpatialRelation, ...]) -> tuple[Array, Array]:
+    """Log-densities as ``features @ A + b`` with features (rho^2, rho, cos phi, sin phi, z^2, z); A (6, C), b (C,).
+
+    ``b`` makes them densities per mm^2 and rad, as in the paper; another unit would only shift every value alike.
+    """
+    matrix, offset = np.empty((6, len(relations))), np.empty(len(relations))
+    for column, r in enumerate(relations):
+        matrix[:, column] = (
+            -0.5 / r.std_rho**2,
+            r.mean_rho / r.std_rho**2,
+            r.kappa_phi * np.cos(r.mean_phi),
+            r.kappa_phi * np.sin(r.mean_phi),
+            -0.5 / r.std_z**2,
+            r.mean_z / r.std_z**2,
+        )
+        spread = np.log(2.0 * np.pi * r.std_rho * r.std_z * MILLIMETRES_PER_METRE**2)
+        von_mises = np.log(2.0 * np.pi * i0e(r.kappa_phi)) + r.kappa_phi
+        offset[column] = -0.5 * ((r.mean_rho / r.std_rho) ** 2 + (r.mean_z / r.std_z) ** 2) - spread - von_mises
+    return matrix, offset
+
+
+_MATRIX, _OFFSET = _linear_form(SPATIAL_RELATIONS)
+
+
+@dataclass(frozen=True)
+class Symbolic(ConstraintType):
+    """Channels: the log-density of each spatial relation; similarity ``sum_c (w_c (log v_c - log v_c*))^2``.
+
+    Logarithms are taken analytically; nothing underflows.
+    """
+
+    name: ClassVar[str] = "symbolic"
+    channel_names: ClassVar[tuple[str, ...]] = tuple(relation.name for relation in SPATIAL_RELATIONS)
+    channel_units: ClassVar[tuple[str, ...]] = ("log",) * len(SPATIAL_RELATIONS)
+
+    def channels(self, d: Array) -> Array:
+        """Log-densities (..., 8)."""
+        return self._log_densities(d, 0.0)
+
+    def jacobian(self, d: Array) -> Array:
+        """Derivatives (..., 8, 3)."""
+        return self._log_density_jacobian(d, 0.0)
+
+    def residual(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
+        """``w (log v - log v*)``, (..., 8); see `ConstraintType.residual`."""
+        return weight * (self._log_densities(d, delta_rho) - target)
+
+    def residual_jacobian(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
+        """Derivative (..., 8, 3) of `residual`."""
+        return weight[..., None] * self._log_density_jacobian(d, delta_rho)
+
+    def weights(self, std: Array, target: Array) -> Array:
+        """Weights of the relations; see `ConstraintType`."""
+        std = np.asarray(std, dtype=np.float64)
+        if self.mode == "paper":
+            return 1.0 / (1.0 + std)
+        return 1.0 / np.hypot(std, self.log_floor)
+
+    @staticmethod
+    def _log_densities(d: Array, delta_rho: float) -> Array:
+        radius, _, denominator = smooth_radius(d, delta_rho)
+        features = np.empty((*np.shape(radius), 6))
+        features[..., 0] = d[..., 0] ** 2 + d[..., 1] ** 2
+        features[..., 1] = radius
+        features[..., 2:4] = d[..., :2] / denominator[..., None]
+        features[..., 4] = d[..., 2] ** 2
+        features[..., 5] = d[..., 2]
+        return features @ _MATRIX + _OFFSET
+
+    @staticmethod
+    def _log_density_jacobian(d: Array, delta_rho: float) -> Array:
+        _, slope, denominator = smooth_radius(d, delta_rho)
+        unit = d[..., :2] / denominator[..., None]
+        features = np.zeros((*np.shape(denominator), 3, 6))
+        features[..., :2, 0] = 2.0 * d[..., :2]
+        features[..., :2, 1] = slope
+        cross = -unit[..., 0] * unit[..., 1]
+        features[..., 0, 2] = (1.0 - unit[..., 0] ** 2) / denominator
+        features[..., 1, 2] = features[..., 0, 3] = cross / denominator
+        features[..., 1, 3] = (1.0 - unit[..., 1] ** 2) / denominator
+        features[..., 2, 4] = 2.0 * d[..., 2]
+        features[..., 2, 5] = 1.0
+        return np.swapaxes(features @ _MATRIX, -1, -2)
