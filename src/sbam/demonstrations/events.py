@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -25,6 +26,7 @@ from sbam.demonstrations.signals import (
     speed,
     true_runs,
 )
+from sbam.scene.object_library import ObjectLibrary
 from sbam.scene.object_model import ObjectModel
 
 Array = NDArray[np.float64]
@@ -123,13 +125,12 @@ def object_axis(model: ObjectModel | None, T_world_object: RigidTransform) -> Ar
     return direction if direction @ model.up >= 0 else -direction
 
 
-def known_models(demonstration: Demonstration, models: Mapping[str, ObjectModel] | None) -> dict[str, ObjectModel]:
+def known_models(
+    demonstration: Demonstration, models: Mapping[str, ObjectModel] | ObjectLibrary | None
+) -> dict[str, ObjectModel]:
     """Models of the objects of a demonstration, from ``models`` or, if that is None, the built-in object library."""
     if models is None:
-        from sbam.scene.object_library import ObjectLibrary
-
-        library = ObjectLibrary.built_in()
-        return {name: library[name] for name in demonstration.objects if name in library.names}
+        models = ObjectLibrary.built_in()
     return {name: models[name] for name in demonstration.objects if name in models}
 
 
@@ -173,7 +174,9 @@ def objects_that_move(demonstration: Demonstration) -> tuple[str, ...]:
     return tuple(name for name in demonstration.objects if object_motion(demonstration, name).moving)
 
 
-def find_events(demonstration: Demonstration, models: Mapping[str, ObjectModel] | None = None) -> tuple[Event, ...]:
+def find_events(
+    demonstration: Demonstration, models: Mapping[str, ObjectModel] | ObjectLibrary | None = None
+) -> tuple[Event, ...]:
     """Events of all objects that move, in order of time.
 
     Args:
@@ -243,7 +246,7 @@ def _tilts(name: str, motion: ObjectMotion, whole: Run) -> list[Event]:
     peaks = peaks - 1
     valleys = [
         0,
-        *(first + int(rate[first:second].argmin()) for first, second in zip(peaks[:-1], peaks[1:], strict=True)),
+        *(first + int(rate[first:second].argmin()) for first, second in pairwise(peaks)),
         len(rate) - 1,
     ]
     angle_to_rest = np.arccos(np.clip(axis @ axis[0], -1.0, 1.0))

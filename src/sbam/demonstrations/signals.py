@@ -72,11 +72,11 @@ def low_pass(values: Array, cutoff: float) -> Array:
         values: (N, C) on the even grid.
         cutoff: Hz.
     """
-    from scipy.signal import butter, filtfilt
+    from scipy.signal import butter, sosfiltfilt
 
     padding = min(round(_PADDING * RATE), len(values) - 1)
-    numerator, denominator = butter(2, cutoff, fs=RATE)
-    return filtfilt(numerator, denominator, values, axis=0, padlen=padding)
+    sections = np.asarray(butter(2, cutoff, fs=RATE, output="sos"))
+    return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=padding))
 
 
 def resample(values: Array, time: Array, grid: Array) -> Array:

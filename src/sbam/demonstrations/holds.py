@@ -1,0 +1,200 @@
+"""Which hand holds which object, when and where: from motion and distance alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform
+
+from sbam.demonstrations.demonstration import Demonstration, Hand
+from sbam.demonstrations.events import ObjectMotion, known_models, object_axis, object_motion
+from sbam.demonstrations.signals import (
+    POSITION_CUTOFF,
+    RATE,
+    Run,
+    bridge,
+    low_pass,
+    resample,
+    speed,
+    true_runs,
+)
+from sbam.scene.object_library import ObjectLibrary
+from sbam.scene.object_model import ObjectModel
+
+Array = NDArray[np.float64]
+
+RELATIVE_SPEED = 0.080
+"""A hand that moves faster than this in the frame of an object does not hold it, m/s."""
+RELATIVE_PATH = 0.5
+"""While an object moves, its holder's path in the object's frame is less than this part of the object's own path."""
+CARRIED_PATH = 0.030
+"""Shortest path of an object that tells its holder, m."""
+REACH_MARGIN = 0.025
+"""A hand holds up to this much farther from the object's axis than its median while the object moves, m."""
+REACH_STILL = 0.120
+"""Largest distance to the axis of an object that is held without being moved, m."""
+SLIP_GAP = 0.3
+"""Shorter interruptions are none, s."""
+REGRIP_GAP = 1.0
+"""Holds of one object by one hand are one if the hand re-grips within this time, s."""
+STILL_DURATION = 0.5
+"""Shortest hold of an object that is not moved, s."""
+GRASP_DELAY = 0.5
+"""A hand that takes hold later than this after the object began to move took it over from another, s."""
+REST_DISTANCE = 0.002
+"""The grasp is when the object was last this close to its rest before it moved, m."""
+
+
+@dataclass(frozen=True)
+class Hold:
+    """One hand holds one object for a while.
+
+    Attributes:
+        hand: which hand; None if the recording has no hands, so that the hold is known from the object's motion only.
+        object: the object.
+        start: grasp, s from the start of the recording.
+        end: release, s from the start of the recording.
+        T_object_hand: mean pose of the hand in the object's frame (median position), or None without hands.
+        spread: root mean square distance of the hand from that position while it holds, m; 0 without hands.
+    """
+
+    hand: Hand | None
+    object: str
+    start: float
+    end: float
+    T_object_hand: RigidTransform | None
+    spread: float
+
+
+@dataclass(frozen=True)
+class _Relative:
+    """A hand seen from an object, on the grid: speed (N,) m/s and distance to the object's axis (N,) m."""
+
+    speed: Array
+    distance: Array
+
+
+def find_holds(
+    demonstration: Demonstration, models: Mapping[str, ObjectModel] | ObjectLibrary | None = None
+) -> tuple[Hold, ...]:
+    """Holds of all movable objects, in order of time.
+
+    An object that moves is held by every hand that stays slow in the object's frame meanwhile (both, for a rolling
+    pin). An object that stays is held by a hand that comes close, stays and leaves. Without hands every object that
+    moves is held from its lift to its place, by ``hand=None``: who will hold it is then for the planner to choose.
+
+    Args:
+        demonstration: the recording, at any rate, also uneven.
+        models: object name -> model; None looks the names up in the built-in library. Furniture is never held.
+
+    Returns:
+        The holds; one per hand for an object in both hands.
+    """
+    known = known_models(demonstration, models)
+    movable = [name for name in demonstration.objects if name not in known or known[name].movable]
+    motions = {name: object_motion(demonstration, name, known.get(name)) for name in movable}
+    holds: list[Hold] = []
+    if not demonstration.T_world_hand:
+        holds = [_hold_without_hand(name, motion) for name, motion in motions.items() if motion.moving]
+    for hand in demonstration.T_world_hand:
+        busy: list[Run] = []
+        # Moved objects first: a hand that carries one object does not hold another that it pauses beside.
+        for name, motion in sorted(motions.items(), key=lambda item: not item[1].moving):
+            relative = _relative_motion(demonstration, hand, name, known.get(name), motion.grid)
+            spans = _carrying(motion, relative) if motion.moving else _steadying(relative, busy)
+            busy += spans
+            holds += [_hold(demonstration, hand, name, motion.grid, span) for span in spans]
+    return tuple(sorted(holds, key=lambda hold: (hold.start, hold.object, hold.hand or "")))
+
+
+def _hold_without_hand(name: str, motion: ObjectMotion) -> Hold:
+    start, end = motion.moving[0].start, motion.moving[-1].stop - 1
+    return Hold(None, name, float(motion.grid[start]), float(motion.grid[end]), None, 0.0)
+
+
+def _median_of_three(positions: Array) -> Array:
+    if len(positions) < 3:
+        return positions
+    padded = np.concatenate([positions[:1], positions, positions[-1:]])
+    return np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
+
+
+def _relative_motion(
+    demonstration: Demonstration, hand: Hand, name: str, model: ObjectModel | None, grid: Array
+) -> _Relative:
+    poses = demonstration.T_world_object[name]
+    position = _median_of_three(poses.inv().apply(demonstration.T_world_hand[hand].translation))
+    smooth = low_pass(resample(position, demonstration.time, grid), POSITION_CUTOFF)
+    axis = object_axis(model, poses)
+    distance = np.linalg.norm(smooth - np.outer(smooth @ axis, axis), axis=1)
+    return _Relative(speed(smooth, grid), distance)
+
+
+def _carrying(motion: ObjectMotion, relative: _Relative) -> list[Run]:
+    """When the hand holds an object that is moved."""
+    moves = np.zeros(len(motion.grid), dtype=bool)
+    for run in motion.moving:
+        moves[run.start : run.stop] = True
+    slow = relative.speed < RELATIVE_SPEED
+    if not (moves & slow).any():
+        return []
+    carried = [
+        run for run in bridge(true_runs(slow), SLIP_GAP) if _is_carried(run, moves, motion.speed, relative.speed)
+    ]
+    if not carried:
+        return []
+    samples = np.concatenate([np.arange(*run) for run in carried])
+    reach = float(np.median(relative.distance[samples[moves[samples]]])) + REACH_MARGIN
+    spans = []
+    for span in bridge(bridge(true_runs(slow & (relative.distance < reach)), SLIP_GAP), REGRIP_GAP):
+        inside = [run for run in motion.moving if run.start < span.stop and span.start < run.stop]
+        if inside and _is_carried(span, moves, motion.speed, relative.speed):
+            spans.append(Run(_grasp(motion, inside[0], span), span.stop))
+    return spans
+
+
+def _is_carried(run: Run, moves: NDArray[np.bool_], object_speed: Array, relative_speed: Array) -> bool:
+    """Whether the hand goes along with the object in a run, where that moves."""
+    part = moves[run.start : run.stop]
+    path = object_speed[run.start : run.stop][part].sum() / RATE
+    slip = relative_speed[run.start : run.stop][part].sum() / RATE
+    return path > CARRIED_PATH and slip < RELATIVE_PATH * path
+
+
+def _grasp(motion: ObjectMotion, move: Run, span: Run) -> int:
+    """Sample at which the object leaves its rest, or the hand takes it over."""
+    if span.start - move.start > GRASP_DELAY * RATE:
+        return span.start
+    earlier = [run.stop for run in motion.moving if run.stop <= move.start]
+    first = earlier[-1] if earlier else 0
+    if move.start - first < 2:
+        return move.start
+    before = motion.position[first : move.start]
+    near = np.linalg.norm(before - np.median(before, axis=0), axis=1) < REST_DISTANCE
+    return first + int(np.flatnonzero(near)[-1]) if near.any() else move.start
+
+
+def _steadying(relative: _Relative, busy: list[Run]) -> list[Run]:
+    """When the hand holds an object that is not moved: it comes close, stays and leaves, and has no other object."""
+    holds = (relative.speed < RELATIVE_SPEED) & (relative.distance < REACH_STILL)
+    for run in busy:
+        holds[run.start : run.stop] = False
+    return [
+        span
+        for span in bridge(bridge(true_runs(holds), SLIP_GAP), REGRIP_GAP)
+        if span.start > 0 and span.stop < len(holds) and span.stop - span.start >= STILL_DURATION * RATE
+    ]
+
+
+def _hold(demonstration: Demonstration, hand: Hand, name: str, grid: Array, span: Run) -> Hold:
+    start, end = float(grid[span.start]), float(grid[span.stop - 1])
+    held = np.flatnonzero((demonstration.time >= start) & (demonstration.time <= end))
+    if not len(held):
+        held = np.array([np.abs(demonstration.time - start).argmin()])
+    poses = demonstration.T_world_object[name][held].inv() * demonstration.T_world_hand[hand][held]
+    position = np.median(poses.translation, axis=0)
+    spread = float(np.sqrt(np.mean(np.sum((poses.translation - position) ** 2, axis=1))))
+    return Hold(hand, name, start, end, RigidTransform.from_components(position, poses.rotation.mean()), spread)
