@@ -67,3 +67,11 @@ class OutputError(SbamError):
 
     def __init__(self, path: str | Path, problem: str) -> None:
         super().__init__(f"cannot write {path}: {problem}; nothing was left at that place")
+
+
+class ConfigurationError(SbamError):
+    """Joint configurations that do not fit the robot: wrong shape or not finite."""
+
+    def __init__(self, robot: str, problem: str, expected: str = "") -> None:
+        hint = f" (expected {expected})" if expected else ""
+        super().__init__(f"configurations of robot {robot!r}: {problem}{hint}")

@@ -1,0 +1,223 @@
+"""Robot description: what SBAM must know of a robot beside its model file."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Literal
+
+import msgspec
+import yaml
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from sbam.errors import FileFormatError, FileVersionError, UnknownNameError
+
+FORMAT = 1
+ArmName = Literal["left", "right"]
+Positive = Annotated[float, msgspec.Meta(gt=0)]
+Vector = tuple[float, float, float]
+
+
+class _Struct(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Base: unknown keys are errors."""
+
+
+class Pose(_Struct, frozen=True):
+    """A pose: position in m; roll, pitch, yaw in degrees (R = Rz(yaw) Ry(pitch) Rx(roll))."""
+
+    position: Vector = (0.0, 0.0, 0.0)
+    rpy_degrees: Vector = (0.0, 0.0, 0.0)
+
+    def transform(self) -> RigidTransform:
+        """The pose as a rigid transform."""
+        rotation = Rotation.from_euler("xyz", self.rpy_degrees, degrees=True)
+        return RigidTransform.from_components(self.position, rotation)
+
+
+class Part(Pose, frozen=True, kw_only=True):
+    """A model file (MJCF or URDF) and where it is mounted in the robot's frame.
+
+    Attributes:
+        model: path of the file, relative to the description.
+        prefix: put before every name of the file, so that one file can be mounted twice.
+    """
+
+    model: str
+    prefix: str = ""
+
+
+class JointDescription(_Struct, frozen=True, kw_only=True):
+    """Home position and dynamic limits of a planned joint; rad and Nm, or m and N for a prismatic joint."""
+
+    home: float = 0.0
+    velocity: Positive
+    acceleration: Positive
+    jerk: Positive
+    torque: Positive
+
+
+class HandDescription(_Struct, frozen=True):
+    """The hand: its body, and how the TCP frame stands in it.
+
+    Attributes:
+        body: the hand is this body of the model and all its descendants.
+        approach: direction of approach towards what is grasped, unit vector in the TCP frame.
+        opening: direction in which the fingers open, unit vector in the TCP frame.
+        max_width: widest object that fits between the fingers, m.
+    """
+
+    body: str
+    approach: Vector
+    opening: Vector
+    max_width: Positive
+
+
+class ArmDescription(_Struct, frozen=True):
+    """One arm: its joints from shoulder to hand, its frames (bodies or sites of the model) and IK seeds.
+
+    Attributes:
+        joints: names of the arm's own joints (shared torso joints are listed in `RobotDescription.torso_joints`).
+        tcp: tool centre point.
+        shoulder: frame whose origin is the centre of the shoulder.
+        elbow: frame whose origin is the elbow.
+        wrist: frame whose origin is the wrist.
+        length: largest distance of the TCP from the shoulder, m.
+        hand: the hand.
+        ik_seeds: postures of ``joints`` to start inverse kinematics from, beside the home posture.
+    """
+
+    joints: tuple[str, ...]
+    tcp: str
+    shoulder: str
+    elbow: str
+    wrist: str
+    length: Positive
+    hand: HandDescription
+    ik_seeds: tuple[tuple[float, ...], ...] = ()
+
+
+class RobotDescription(_Struct, frozen=True):
+    """A robot, as its YAML file describes it (docs/robots.md).
+
+    Attributes:
+        format: version of this format.
+        name: name of the robot.
+        parts: model files and where they are mounted in the robot's frame (x forward, y left, z up).
+        base_in_agent: default pose of the robot's frame in the agent frame (x right, y forward, z up).
+        joints: every planned joint.
+        arms: the left and the right arm.
+        torso_joints: planned joints that move both arms.
+        locked_joints: other joints of the model and the position they are held at; unlisted ones are held at 0.
+        human_likeness: whether the human-likeness term is on by default.
+        note: origin of the numbers.
+        path: file it was read from.
+    """
+
+    format: int
+    name: str
+    parts: Annotated[tuple[Part, ...], msgspec.Meta(min_length=1)]
+    base_in_agent: Pose
+    joints: dict[str, JointDescription]
+    arms: dict[ArmName, ArmDescription]
+    torso_joints: tuple[str, ...] = ()
+    locked_joints: dict[str, float] = {}
+    human_likeness: bool = False
+    note: str = ""
+    path: str = ""
+
+    def with_base_distance(self, distance: float) -> RobotDescription:
+        """The same robot with its two parts mounted ``distance`` m apart, symmetric about where they were."""
+        if len(self.parts) != 2:
+            raise FileFormatError(
+                self.path, "$.parts", f"{len(self.parts)} part(s)", "two parts to set a base distance"
+            )
+        if not (math.isfinite(distance) and distance > 0):
+            raise FileFormatError(self.path, "base_distance", f"{distance} m", "a positive distance")
+        first, second = (part.position for part in self.parts)
+        old = math.dist(first, second)
+        if old == 0:
+            raise FileFormatError(self.path, "$.parts", "both parts are at one place", "two places")
+        half = [(a - b) / 2 * distance / old for a, b in zip(first, second, strict=True)]
+        middle = [(a + b) / 2 for a, b in zip(first, second, strict=True)]
+        places = [tuple(m + sign * h for m, h in zip(middle, half, strict=True)) for sign in (1, -1)]
+        parts = tuple(
+            msgspec.structs.replace(part, position=place) for part, place in zip(self.parts, places, strict=True)
+        )
+        return msgspec.structs.replace(self, parts=parts)
+
+
+def read_description(path: str | Path) -> RobotDescription:
+    """Read a robot description.
+
+    Args:
+        path: YAML file.
+
+    Raises:
+        FileFormatError: naming the file and the place in it, if it is not YAML or breaks the schema.
+        FileVersionError: if it was written for a later version.
+        UnknownNameError: if an arm uses a joint that ``joints`` does not hold.
+    """
+    path = Path(path)
+    try:
+        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise FileFormatError(path, "", f"cannot be read: {error}", "a robot description (YAML)") from error
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f"line {mark.line + 1}" if mark else ""
+        raise FileFormatError(path, where, f"not YAML: {getattr(error, 'problem', error)}") from error
+    if not isinstance(raw, dict):
+        raise FileFormatError(path, "$", f"holds {type(raw).__name__}", "a mapping (docs/robots.md)")
+    if isinstance(raw.get("format"), int) and raw["format"] > FORMAT:
+        raise FileVersionError(path, raw["format"], FORMAT)
+    _refuse_non_finite(raw, "$", path)
+    try:
+        description = msgspec.convert(raw, RobotDescription)
+    except msgspec.ValidationError as error:
+        problem, _, where = str(error).partition(" - at ")
+        raise FileFormatError(path, where.strip("`") or "$", problem, "docs/robots.md") from error
+    description = msgspec.structs.replace(description, path=str(path))
+    _check(description)
+    return description
+
+
+def _refuse_non_finite(value: object, where: str, path: Path) -> None:
+    if isinstance(value, dict):
+        for key, child in value.items():
+            _refuse_non_finite(child, f"{where}.{key}", path)
+    elif isinstance(value, list):
+        for index, child in enumerate(value):
+            _refuse_non_finite(child, f"{where}[{index}]", path)
+    elif isinstance(value, float) and not math.isfinite(value):
+        raise FileFormatError(path, where, f"value is {value}", "a finite number")
+
+
+def _check(description: RobotDescription) -> None:
+    """What the types alone cannot say."""
+    path, known = description.path, description.joints
+    for missing in {"left", "right"} - set(description.arms):
+        raise FileFormatError(path, "$.arms", f"no {missing} arm", "arms 'left' and 'right'")
+    users: dict[str, str] = {}
+    lists = [("$.torso_joints", description.torso_joints)]
+    lists += [(f"$.arms.{side}.joints", arm.joints) for side, arm in description.arms.items()]
+    for where, names in lists:
+        for index, name in enumerate(names):
+            place = f"{where}[{index}]"
+            if name not in known:
+                raise UnknownNameError("joint", name, known, f"{path} at {place}")
+            if name in users:
+                raise FileFormatError(path, place, f"joint {name!r} is already used by {users[name]}")
+            users[name] = place
+    for name in set(known) - set(users):
+        raise FileFormatError(path, f"$.joints.{name}", "belongs to no arm and not to the torso", "locked_joints")
+    for name in set(known) & set(description.locked_joints):
+        raise FileFormatError(path, f"$.locked_joints.{name}", "is also a planned joint")
+    for side, arm in description.arms.items():
+        for index, seed in enumerate(arm.ik_seeds):
+            if len(seed) != len(arm.joints):
+                where = f"$.arms.{side}.ik_seeds[{index}]"
+                raise FileFormatError(path, where, f"{len(seed)} values", f"{len(arm.joints)}, one for each joint")
+        for field in ("approach", "opening"):
+            axis = getattr(arm.hand, field)
+            if abs(math.hypot(*axis) - 1) > 1e-6:
+                raise FileFormatError(path, f"$.arms.{side}.hand.{field}", f"{list(axis)}", "a unit vector")

@@ -1,0 +1,36 @@
+"""The built-in robots, and loading a robot by name or from a description file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sbam.errors import UnknownNameError
+from sbam.robots.description import read_description
+from sbam.robots.robot import Robot
+
+MODELS = Path(__file__).parent / "models"
+
+ROBOTS: dict[str, Path] = {name: MODELS / f"{name}.yaml" for name in ("panda_dual",)}
+"""Built-in robots: name -> description file."""
+
+
+def load_robot(name_or_path: str | Path, *, base_distance: float | None = None) -> Robot:
+    """Load a robot; it stands at its default place in an agent frame that coincides with the world.
+
+    Args:
+        name_or_path: name of a built-in robot, or path of a description file (``.yaml``, ``.yml``).
+        base_distance: for robots of two parts: distance between their bases, m; None keeps the description's.
+
+    Raises:
+        UnknownNameError: if it is neither a built-in name nor a path of a YAML file.
+        FileFormatError: if the description or its model cannot be used.
+    """
+    path = ROBOTS.get(str(name_or_path))
+    if path is None:
+        path = Path(name_or_path)
+        if path.suffix not in (".yaml", ".yml"):
+            raise UnknownNameError("robot", str(name_or_path), ROBOTS, "the built-in robots; or give a .yaml file")
+    description = read_description(path)
+    if base_distance is not None:
+        description = description.with_base_distance(base_distance)
+    return Robot(description, description.base_in_agent.transform())

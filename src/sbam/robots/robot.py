@@ -1,0 +1,298 @@
+"""Robot: joints, arms and batched kinematics of a two-armed robot on MuJoCo."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from sbam.errors import ConfigurationError, UnknownNameError
+from sbam.robots.composition import compile_spec, compose, pose_arrays
+from sbam.robots.description import ArmName, HandDescription, RobotDescription
+
+if TYPE_CHECKING:
+    import mujoco
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Arm:
+    """One arm.
+
+    Attributes:
+        name: ``left`` or ``right``.
+        tcp_frame: tool centre point.
+        joint_indices: (m,) columns of the robot's joints that belong to this arm alone, shoulder to hand.
+        shoulder_frame: frame at the centre of the shoulder.
+        elbow_frame: frame at the elbow.
+        wrist_frame: frame at the wrist.
+        length: largest distance of the TCP from the shoulder, m.
+        hand: body of the hand and its directions of approach and opening in the TCP frame.
+        ik_seeds: (k, m) good starts of inverse kinematics beside the home posture.
+    """
+
+    name: ArmName
+    tcp_frame: str
+    joint_indices: NDArray[np.int64]
+    shoulder_frame: str
+    elbow_frame: str
+    wrist_frame: str
+    length: float
+    hand: HandDescription
+    ik_seeds: Floats
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Where B configurations put F frames and n joints, in the world.
+
+    Attributes:
+        frames: names of the frames, in the order asked for.
+        position: (B, F, 3) origins of the frames, m.
+        rotation: (B, F, 3, 3) rotation matrices of the frames, R_world_frame.
+        joint_position: (B, n, 3) a point on each joint's axis, m.
+        joint_axis: (B, n, 3) unit axes of the joints.
+        is_prismatic: (n,) which joints slide along their axis instead of turning about it.
+    """
+
+    frames: tuple[str, ...]
+    position: Floats
+    rotation: Floats
+    joint_position: Floats
+    joint_axis: Floats
+    is_prismatic: NDArray[np.bool_]
+
+
+class Robot:
+    """A two-armed robot that stands somewhere in the world; immutable.
+
+    Build it with `sbam.robots.load_robot`.
+
+    Attributes:
+        name: name of the robot.
+        description: its description.
+        T_world_base: where the robot's frame (x forward, y left, z up) stands.
+        model: MuJoCo model whose joints are exactly ``joint_names``; shapes included, no actuators.
+        joint_names: names of the n planned joints; the column order of every joint array.
+        lower: (n,) lower position limits, rad or m; -inf for continuous joints.
+        upper: (n,) upper position limits; inf for continuous joints.
+        velocity_limit: (n,) rad/s or m/s.
+        acceleration_limit: (n,) rad/s^2 or m/s^2.
+        jerk_limit: (n,) rad/s^3 or m/s^3.
+        torque_limit: (n,) Nm or N.
+        is_prismatic: (n,) bool.
+        is_continuous: (n,) bool: revolute without position limits.
+        home: (n,) home posture.
+        torso_indices: columns of the joints that move both arms.
+        arms: ``left`` and ``right``.
+        frame_names: names of all frames: the model's bodies and sites.
+    """
+
+    def __init__(self, description: RobotDescription, T_world_base: RigidTransform) -> None:
+        import mujoco
+
+        self.name = description.name
+        self.description = description
+        self.T_world_base = T_world_base
+        model = compile_spec(compose(description, T_world_base), description.path)
+        self.model = model
+        self.joint_names = tuple(model.joint(i).name for i in range(model.njnt))
+        self.is_prismatic = np.asarray(model.jnt_type == mujoco.mjtJoint.mjJNT_SLIDE)
+        limited = model.jnt_limited.astype(bool)
+        self.is_continuous = ~limited & ~self.is_prismatic
+        self.lower = np.where(limited, model.jnt_range[:, 0], -np.inf)
+        self.upper = np.where(limited, model.jnt_range[:, 1], np.inf)
+        joints = [description.joints[name] for name in self.joint_names]
+        self.velocity_limit = np.array([joint.velocity for joint in joints])
+        self.acceleration_limit = np.array([joint.acceleration for joint in joints])
+        self.jerk_limit = np.array([joint.jerk for joint in joints])
+        self.torque_limit = np.array([joint.torque for joint in joints])
+        self.home = np.array([joint.home for joint in joints])
+        for name, home, lower, upper in zip(self.joint_names, self.home, self.lower, self.upper, strict=True):
+            if not lower <= home <= upper:
+                raise ConfigurationError(self.name, f"home of joint {name!r} is {home}", f"{lower} to {upper}")
+        column = {name: index for index, name in enumerate(self.joint_names)}
+        self.torso_indices = np.array([column[name] for name in description.torso_joints], dtype=np.int64)
+        self._frames = _frame_table(model)
+        self.frame_names = tuple(self._frames)
+        self.arms: Mapping[ArmName, Arm] = {
+            side: Arm(
+                name=side,
+                tcp_frame=self._known(arm.tcp),
+                joint_indices=np.array([column[name] for name in arm.joints], dtype=np.int64),
+                shoulder_frame=self._known(arm.shoulder),
+                elbow_frame=self._known(arm.elbow),
+                wrist_frame=self._known(arm.wrist),
+                length=arm.length,
+                hand=arm.hand,
+                ik_seeds=np.array(arm.ik_seeds).reshape(-1, len(arm.joints)),
+            )
+            for side, arm in sorted(description.arms.items())
+        }
+        for arm in self.arms.values():
+            self._known(arm.hand.body)
+        self._kinematic_model = _without_shapes(description, T_world_base)
+        self._spare_data: list[mujoco.MjData] = []
+
+    @property
+    def T_world_agent(self) -> RigidTransform:
+        """The agent frame at which the robot stands in its default place."""
+        return self.T_world_base * self.description.base_in_agent.transform().inv()
+
+    @cached_property
+    def _joint_masks(self) -> dict[str, NDArray[np.bool_]]:
+        model = self.model
+        masks = {}
+        for name, (body, _, _) in self._frames.items():
+            mask = np.zeros(len(self.joint_names), dtype=bool)
+            while body:
+                if model.body_jntnum[body]:
+                    mask[model.body_jntadr[body] :][: model.body_jntnum[body]] = True
+                body = model.body_parentid[body]
+            mask.setflags(write=False)
+            masks[name] = mask
+        return masks
+
+    def _known(self, frame: str) -> str:
+        if frame not in self._frames:
+            raise UnknownNameError("frame", frame, self._frames, f"robot {self.name!r}")
+        return frame
+
+    def frame_joints(self, frame: str) -> NDArray[np.bool_]:
+        """Mask (n,) of the joints that move a frame; raises `UnknownNameError` for an unknown frame."""
+        return self._joint_masks[self._known(frame)]
+
+    def clip(self, configurations: ArrayLike) -> Floats:
+        """Configurations (..., n) projected into the position limits."""
+        return np.clip(configurations, self.lower, self.upper)
+
+    def checked(self, configurations: ArrayLike) -> Floats:
+        """Configurations as a contiguous (B, n) array of finite numbers.
+
+        Raises:
+            ConfigurationError: if the shape is another or a value is not finite; names sample and joint.
+        """
+        result = np.ascontiguousarray(configurations, dtype=np.float64)
+        if result.ndim != 2 or result.shape[1] != len(self.joint_names):
+            expected = f"(B, {len(self.joint_names)}), columns {', '.join(self.joint_names)}"
+            raise ConfigurationError(self.name, f"shape {result.shape}", expected)
+        if not np.isfinite(result).all():
+            sample, joint = np.argwhere(~np.isfinite(result))[0]
+            problem = f"joint {self.joint_names[joint]!r} of sample {sample} is {result[sample, joint]}"
+            raise ConfigurationError(self.name, problem, "finite numbers")
+        return result
+
+    def kinematics(self, configurations: ArrayLike, frames: Sequence[str]) -> Kinematics:
+        """Forward kinematics of many configurations; may be called from several threads at once.
+
+        Args:
+            configurations: (B, n) joint positions, rad or m, columns as ``joint_names``.
+            frames: names of the frames wanted.
+
+        Raises:
+            ConfigurationError: if the configurations have another shape or are not finite.
+            UnknownNameError: if a frame is not known.
+        """
+        import mujoco
+
+        configurations = self.checked(configurations)
+        table = [self._frames[self._known(frame)] for frame in frames]
+        model = self._kinematic_model
+        try:
+            data = self._spare_data.pop()
+        except IndexError:
+            data = mujoco.MjData(model)
+        count, joints = configurations.shape
+        positions = np.empty((count, model.nbody, 3))
+        rotations = np.empty((count, model.nbody, 9))
+        anchors = np.empty((count, joints, 3))
+        axes = np.empty((count, joints, 3))
+        qpos, xpos, xmat, xanchor, xaxis = data.qpos, data.xpos, data.xmat, data.xanchor, data.xaxis
+        forward = mujoco.mj_kinematics
+        for i in range(count):
+            qpos[:] = configurations[i]
+            forward(model, data)
+            positions[i] = xpos
+            rotations[i] = xmat
+            anchors[i] = xanchor
+            axes[i] = xaxis
+        self._spare_data.append(data)
+        bodies = [body for body, _, _ in table]
+        position = positions[:, bodies]
+        rotation = rotations[:, bodies].reshape(count, len(bodies), 3, 3)
+        for index, (_, offset, turn) in enumerate(table):
+            if offset is not None:
+                position[:, index] += rotation[:, index] @ offset
+            if turn is not None:
+                rotation[:, index] = rotation[:, index] @ turn
+        return Kinematics(tuple(frames), position, rotation, anchors, axes, self.is_prismatic)
+
+    def placed(self, T_world_base: RigidTransform) -> Robot:
+        """The same robot, standing elsewhere.
+
+        Args:
+            T_world_base: pose of the robot's frame (x forward, y left, z up) in the world.
+        """
+        result = copy.copy(self)
+        result.T_world_base = T_world_base
+        result._spare_data = []
+        position, quaternion_wxyz = pose_arrays(T_world_base)
+        for field in ("model", "_kinematic_model"):
+            model = copy.copy(getattr(self, field))
+            model.body_pos[1], model.body_quat[1] = position, quaternion_wxyz
+            setattr(result, field, model)
+        return result
+
+    def placed_for(self, T_world_agent: RigidTransform) -> Robot:
+        """The same robot, standing where its description wants it in an agent frame.
+
+        Args:
+            T_world_agent: the agent frame of a scene or a demonstration (x right, y forward, z up).
+        """
+        return self.placed(T_world_agent * self.description.base_in_agent.transform())
+
+    def spec(self, *, lock: bool = True) -> mujoco.MjSpec:
+        """A fresh editable MuJoCo model of the robot where it stands, to compose scenes with (see `compose`)."""
+        return compose(self.description, self.T_world_base, lock=lock)
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, "_spare_data": []}
+
+    def __repr__(self) -> str:
+        return f"<Robot {self.name!r} with {len(self.joint_names)} joints>"
+
+
+def _frame_table(model: mujoco.MjModel) -> dict[str, tuple[int, Floats | None, Floats | None]]:
+    """Frame name -> body, offset (3,) and rotation (3, 3) in that body; None where there is none."""
+    table: dict[str, tuple[int, Floats | None, Floats | None]] = {}
+    for body in range(1, model.nbody):
+        table[model.body(body).name] = (body, None, None)
+    for index in range(model.nsite):
+        site = model.site(index)
+        turn = Rotation.from_quat(site.quat, scalar_first=True).as_matrix()
+        table[site.name] = (
+            int(model.site_bodyid[index]),
+            site.pos.copy() if site.pos.any() else None,
+            None if np.array_equal(turn, np.eye(3)) else turn,
+        )
+    return table
+
+
+def _without_shapes(description: RobotDescription, T_world_base: RigidTransform) -> mujoco.MjModel:
+    """The model reduced to bodies and joints: its kinematics take half the time."""
+    spec = compose(description, T_world_base)
+    for body in spec.bodies:
+        body.explicitinertial = True
+        body.mass, body.inertia = 1.0, np.ones(3)
+        body.fullinertia = np.full(6, np.nan)
+    for elements in (spec.excludes, spec.pairs, spec.geoms, spec.sites):
+        for element in list(elements):
+            spec.delete(element)
+    return compile_spec(spec, description.path)
