@@ -40,6 +40,8 @@ SLIP_GAP = 0.3
 """Shorter interruptions are none, s."""
 REGRIP_GAP = 1.0
 """Holds of one object by one hand are one if the hand re-grips within this time, s."""
+SETTLED = 0.005
+"""An object that is not moved is held from when the hand is this near to its median distance, m."""
 STILL_DURATION = 0.5
 """Shortest hold of an object that is not moved, s."""
 GRASP_DELAY = 0.5
@@ -182,11 +184,14 @@ def _steadying(relative: _Relative, busy: list[Run]) -> list[Run]:
     holds = (relative.speed < RELATIVE_SPEED) & (relative.distance < REACH_STILL)
     for run in busy:
         holds[run.start : run.stop] = False
-    return [
-        span
-        for span in bridge(bridge(true_runs(holds), SLIP_GAP), REGRIP_GAP)
-        if span.start > 0 and span.stop < len(holds) and span.stop - span.start >= STILL_DURATION * RATE
-    ]
+    spans = []
+    for span in bridge(bridge(true_runs(holds), SLIP_GAP), REGRIP_GAP):
+        if span.start > 0 and span.stop < len(holds):
+            distance = relative.distance[span.start : span.stop]
+            settled = Run(span.start + int(np.argmax(distance < np.median(distance) + SETTLED)), span.stop)
+            if settled.stop - settled.start >= STILL_DURATION * RATE:
+                spans.append(settled)
+    return spans
 
 
 def _hold(demonstration: Demonstration, hand: Hand, name: str, grid: Array, span: Run) -> Hold:

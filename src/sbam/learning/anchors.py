@@ -1,0 +1,205 @@
+"""Anchors: the events that recur in every demonstration, to which time is aligned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.demonstrations.events import Event
+
+Array = NDArray[np.float64]
+
+DESCRIPTOR_WEIGHT = 0.25
+"""Cost of (1 - cosine) between the descriptors of two events, next to their difference in phase."""
+GAP_COST = 0.35
+"""Cost of an event that has no partner."""
+LEAST_DISTANCE = 0.080
+"""Of two anchors that are closer than this in the mean, the weaker is dropped, s."""
+LEAST_OWN_DISTANCE = 1e-3
+"""The same in any single demonstration, where time must go on between two anchors, s."""
+_PRIORITY = {"lift": 3, "place": 2, "tilt": 1, "reversal": 0}
+"""Which of two equally strong events stays."""
+
+
+@dataclass(frozen=True)
+class AnchorSet:
+    """Anchors common to D demonstrations, in order of time.
+
+    Hands may swap order: where two anchors of different objects follow each other in one order in some demonstrations
+    and in the other in others, each demonstration's times are sorted. No single monotone map can meet both; sorted
+    times meet either on average, and every anchor stays.
+
+    Attributes:
+        kinds: (A) ``start``, ``lift``, ``place``, ``reversal``, ``tilt``, ``end``; first ``start``, last ``end``.
+        roles: (A) the role whose object shows it, None for start and end.
+        times: (D, A) s on each demonstration's own time axis, strictly increasing along A, first column 0.
+        notes: what was left out and why, a sentence each.
+    """
+
+    kinds: tuple[str, ...]
+    roles: tuple[str | None, ...]
+    times: Array
+    notes: tuple[str, ...] = ()
+
+    @property
+    def mean_times(self) -> Array:
+        """(A,) mean times, s: the anchors on the model's time axis."""
+        return self.times.mean(axis=0)
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """An event of one role that was found in all demonstrations: times (D,) s."""
+
+    kind: str
+    role: str
+    times: Array
+    strength: float
+
+    @property
+    def rank(self) -> tuple[float, int]:
+        return self.strength, _PRIORITY[self.kind]
+
+
+def align_events(events: Sequence[Sequence[Event]], durations: Sequence[float]) -> AnchorSet:
+    """Anchors common to all demonstrations (learning recipe, "Anchors found without knowing the task", 5 and 6).
+
+    The events of each role are aligned with those of the role's medoid demonstration, keeping their order; what has a
+    partner in every demonstration becomes an anchor. The result does not depend on the order of the demonstrations.
+
+    Args:
+        events: D sequences of events whose ``object`` is the role.
+        durations: D durations, s.
+
+    Returns:
+        The anchors with start and end. Only these two, and a note, if no lift and place recurs.
+    """
+    if len(events) != len(durations) or not len(durations):
+        raise ValueError(f"{len(events)} sequences of events for {len(durations)} durations; expected one each")
+    roles = sorted({event.object for sequence in events for event in sequence})
+    candidates: list[_Candidate] = []
+    notes: list[str] = []
+    for role in roles:
+        sequences = [_of_role(sequence, role) for sequence in events]
+        without = sum(not sequence for sequence in sequences)
+        if without:
+            notes.append(f"{role} moves in {len(sequences) - without} of {len(sequences)} demonstrations: no anchors")
+            continue
+        candidates += _recurring(role, sequences)
+    candidates = _distinct(candidates, np.asarray(durations, dtype=float), notes)
+    if not candidates:
+        notes.append("no event recurs in every demonstration: time is aligned at start and end only")
+    candidates.sort(key=lambda candidate: float(candidate.times.mean()))
+    return AnchorSet(
+        kinds=("start", *(candidate.kind for candidate in candidates), "end"),
+        roles=(None, *(candidate.role for candidate in candidates), None),
+        times=_sorted_times(candidates, np.asarray(durations, dtype=float)),
+        notes=tuple(notes),
+    )
+
+
+def _of_role(events: Sequence[Event], role: str) -> list[Event]:
+    """Events of a role in order of time; none if it has no lift or no place."""
+    own = sorted((event for event in events if event.object == role), key=lambda event: event.time)
+    return own if {"lift", "place"} <= {event.kind for event in own} else []
+
+
+def _phases(events: Sequence[Event]) -> Array:
+    """Times (N,) as phase: 0 at the lift, 1 at the place."""
+    lift = min(event.time for event in events if event.kind == "lift")
+    place = max(event.time for event in events if event.kind == "place")
+    return (np.array([event.time for event in events]) - lift) / max(place - lift, np.finfo(float).eps)
+
+
+def _costs(first: Sequence[Event], second: Sequence[Event]) -> Array:
+    """Cost (N, M) of making events partners; infinite between different kinds."""
+    cost = np.abs(_phases(first)[:, None] - _phases(second))
+    for row, one in enumerate(first):
+        for column, other in enumerate(second):
+            if one.kind != other.kind:
+                cost[row, column] = np.inf
+            else:
+                cost[row, column] += DESCRIPTOR_WEIGHT * (1.0 - float(one.descriptor @ other.descriptor))
+    return cost
+
+
+def align_in_order(cost: Array, gap: float) -> tuple[list[tuple[int, int]], float]:
+    """Order-preserving alignment of two sequences with gaps (Needleman and Wunsch 1970).
+
+    Args:
+        cost: (N, M) cost of making items partners, may be infinite.
+        gap: cost of an item without a partner.
+
+    Returns:
+        Partners (row, column), increasing in both, and the least total cost.
+    """
+    rows, columns = cost.shape
+    total = np.zeros((rows + 1, columns + 1))
+    total[:, 0] = gap * np.arange(rows + 1)
+    total[0] = gap * np.arange(columns + 1)
+    for i in range(1, rows + 1):
+        for j in range(1, columns + 1):
+            total[i, j] = min(total[i - 1, j - 1] + cost[i - 1, j - 1], total[i - 1, j] + gap, total[i, j - 1] + gap)
+    partners = []
+    i, j = rows, columns
+    while i and j:
+        if total[i, j] == total[i - 1, j - 1] + cost[i - 1, j - 1]:
+            i, j = i - 1, j - 1
+            partners.append((i, j))
+        elif total[i, j] == total[i - 1, j] + gap:
+            i -= 1
+        else:
+            j -= 1
+    return partners[::-1], float(total[-1, -1])
+
+
+def _recurring(role: str, sequences: list[list[Event]]) -> list[_Candidate]:
+    """Events of one role that have a partner in every demonstration."""
+    count = len(sequences)
+    distance = np.zeros((count, count))
+    partners: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    for first in range(count):
+        partners[first, first] = [(index, index) for index in range(len(sequences[first]))]
+        for second in range(first + 1, count):
+            pairs, cost = align_in_order(_costs(sequences[first], sequences[second]), GAP_COST)
+            distance[first, second] = distance[second, first] = cost
+            partners[first, second] = pairs
+            partners[second, first] = [(column, row) for row, column in pairs]
+    medoid = int(distance.sum(axis=1).argmin())
+    matches = [dict(partners[medoid, other]) for other in range(count)]
+    candidates = []
+    for index, event in enumerate(sequences[medoid]):
+        if all(index in match for match in matches):
+            found = [sequence[match[index]] for sequence, match in zip(sequences, matches, strict=True)]
+            times = np.array([other.time for other in found])
+            strength = float(np.mean([other.strength for other in found]))
+            candidates.append(_Candidate(event.kind, role, times, strength))
+    return candidates
+
+
+def _sorted_times(candidates: Sequence[_Candidate], durations: Array) -> Array:
+    """Times (D, A) of start, candidates and end, sorted in each demonstration."""
+    columns = [np.zeros(len(durations)), *(candidate.times for candidate in candidates), durations]
+    return np.sort(np.stack(columns, axis=1), axis=1)
+
+
+def _distinct(candidates: list[_Candidate], durations: Array, notes: list[str]) -> list[_Candidate]:
+    """Drop the weaker of any two candidates that are too close, and those too close to start or end."""
+    kept = sorted(candidates, key=lambda candidate: float(candidate.times.mean()))
+    while kept:
+        times = _sorted_times(kept, durations)
+        too_close = (np.diff(times.mean(axis=0)) < LEAST_DISTANCE) | (
+            np.diff(times, axis=1).min(axis=0) < LEAST_OWN_DISTANCE
+        )
+        if not too_close.any():
+            break
+        before = int(np.argmax(too_close)) - 1
+        neighbours = [index for index in (before, before + 1) if 0 <= index < len(kept)]
+        dropped = kept.pop(min(neighbours, key=lambda index: kept[index].rank))
+        notes.append(
+            f"{dropped.kind} of {dropped.role} at {dropped.times.mean():.2f} s is too close to a neighbour: no anchor"
+        )
+    return kept
