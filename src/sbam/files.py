@@ -34,6 +34,7 @@ def write_atomically(path: str | Path, data: str | bytes) -> None:
         os.chmod(temporary, 0o666 & ~umask)
         os.replace(temporary, path)
     except OSError as error:
+        raise OutputError(path, error.strerror or str(error)) from error
+    finally:
         if temporary and os.path.exists(temporary):
             os.unlink(temporary)
-        raise OutputError(path, error.strerror or str(error)) from error

@@ -1,0 +1,58 @@
+# Every target sets up what it needs; nothing is installed outside this folder.
+PYTHON ?= python3
+BIN := .venv/bin
+INSTALLED := .venv/installed
+DOCS_INSTALLED := .venv/installed-docs
+
+# Threads make the many small matrix products slower.
+export OMP_NUM_THREADS ?= 1
+export OPENBLAS_NUM_THREADS ?= 1
+export MKL_NUM_THREADS ?= 1
+
+.PHONY: help venv demo test lint types bench docs clean
+
+help:
+	@echo "make demo    learn pouring, plan a new scene, write the trajectory with plots and a recording to out/demo/"
+	@echo "make test    lint, types and all tests"
+	@echo "make bench   print the measured speeds"
+	@echo "make docs    build the documentation into docs/_build/html/"
+	@echo "make venv    set up the virtual environment .venv (the other targets do it when needed)"
+	@echo "make clean   remove what was built, and the virtual environment"
+
+venv: $(INSTALLED)
+
+$(INSTALLED): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "Python 3.11 or later is needed: make PYTHON=/path/to/python3.11"; exit 1; }
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv || \
+		{ rm -rf .venv; echo "$(PYTHON) cannot make virtual environments; on Debian: apt install python3-venv"; exit 1; }
+	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
+	$(BIN)/python -m pip install --quiet --editable . --group dev
+	@touch $@
+
+$(DOCS_INSTALLED): $(INSTALLED)
+	$(BIN)/python -m pip install --quiet --group docs
+	@touch $@
+
+demo: $(INSTALLED)
+	$(BIN)/sbam demo
+
+test: lint types
+	$(BIN)/pytest -n 2
+
+lint: $(INSTALLED)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(INSTALLED)
+	$(BIN)/basedpyright
+
+bench: $(INSTALLED)
+	@for script in benchmarks/[a-z]*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+docs: $(DOCS_INSTALLED)
+	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
+	@echo "open docs/_build/html/index.html"
+
+clean:
+	rm -rf .venv build dist docs/_build .pytest_cache .ruff_cache .hypothesis
