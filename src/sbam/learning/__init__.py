@@ -1,1 +1,20 @@
-"""Learning."""
+"""Learning action models from demonstrations."""
+
+from sbam.learning.generalization import GeneralizedChange, GeneralizedChannel
+from sbam.learning.learn import add_demonstration, learn
+from sbam.learning.model import ActionModel, Anchor, HandHold, Role
+from sbam.learning.roles import bind_roles
+from sbam.learning.settings import LearningSettings
+
+__all__ = [
+    "ActionModel",
+    "Anchor",
+    "GeneralizedChange",
+    "GeneralizedChannel",
+    "HandHold",
+    "LearningSettings",
+    "Role",
+    "add_demonstration",
+    "bind_roles",
+    "learn",
+]

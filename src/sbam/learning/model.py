@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sbam.demonstrations.demonstration import Hand
 from sbam.learning.generalization import GeneralizedChange
+from sbam.learning.settings import LearningSettings, Mode
+from sbam.learning.sketch import DemonstrationSketch
 
-Mode = Literal["default", "paper"]
+__all__ = ["ActionModel", "Anchor", "HandHold", "Mode", "Role"]
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,8 @@ class HandHold:
         hand: by which hand of the agent.
         grasp: mean time of the grasp, s on the model's time axis.
         release: mean time of the release, s on the model's time axis.
-        hand_position: (D, 3) position of the hand in the object's frame, one row per demonstration, m; (0, 3) if the
-            recordings hold no hands (then ``hand`` is a choice, not an observation).
+        hand_position: (D, 3) position of the hand in the object's frame, one row per demonstration with this hold, m;
+            (0, 3) if the recordings hold no hands (then ``hand`` is a choice, not an observation).
     """
 
     role: str
@@ -80,6 +81,9 @@ class ActionModel:
         keypoint_times: (K,) s on the model's time axis, strictly increasing, first 0, last the duration.
         holds: who holds what, when.
         synthetic: True if any demonstration was synthetic.
+        demonstrations: what is kept of each demonstration, so that more can be added without the recordings.
+        settings: how the model was learned.
+        notes: what the learning found worth saying, a sentence each.
     """
 
     name: str
@@ -91,6 +95,9 @@ class ActionModel:
     keypoint_times: NDArray[np.float64]
     holds: tuple[HandHold, ...]
     synthetic: bool
+    demonstrations: tuple[DemonstrationSketch, ...] = ()
+    settings: LearningSettings = field(default_factory=LearningSettings)
+    notes: tuple[str, ...] = ()
 
     @property
     def duration(self) -> float:

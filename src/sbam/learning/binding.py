@@ -1,0 +1,82 @@
+"""Which object of a demonstration plays which role."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from sbam.demonstrations.demonstration import Demonstration
+from sbam.errors import BindingError, DemonstrationError, UnknownNameError
+from sbam.learning.model import Role
+from sbam.learning.pairs import candidate_pairs
+from sbam.learning.roles import bind_roles, role_name
+from sbam.learning.settings import LearningSettings
+from sbam.learning.sketch import SketchedRole
+from sbam.scene.object_library import ObjectLibrary
+from sbam.scene.object_model import ObjectModel
+
+Library = ObjectLibrary | Mapping[str, ObjectModel]
+
+
+def demonstrated_models(demonstration: Demonstration, library: Library) -> dict[str, ObjectModel]:
+    """Object models of all objects in a demonstration; raises `UnknownNameError` that names the demonstration."""
+    known = tuple(library)
+    for name in demonstration.objects:
+        if name not in known:
+            where = f"demonstration {demonstration.name!r}; the object library holds no such model"
+            raise UnknownNameError("object", name, known, where)
+    return {name: library[name] for name in demonstration.objects}
+
+
+def involved_objects(models: Mapping[str, ObjectModel], settings: LearningSettings) -> tuple[str, ...]:
+    """Names of the objects that take part in some watched pair."""
+    pairs = candidate_pairs(models, settings)
+    return tuple(name for name in models if any(name in pair.roles for pair in pairs))
+
+
+def new_roles(models: Mapping[str, ObjectModel], settings: LearningSettings) -> dict[str, str]:
+    """Roles for the objects of a first demonstration: role -> object name."""
+    objects: dict[str, str] = {}
+    for name in sorted(involved_objects(models, settings)):
+        objects[role_name(models[name].affordances, tuple(objects))] = name
+    return objects
+
+
+def bind_demonstration(
+    demonstration: Demonstration,
+    models: Mapping[str, ObjectModel],
+    earlier: Sequence[Sequence[SketchedRole]],
+    settings: LearningSettings,
+) -> dict[str, str]:
+    """Objects of a further demonstration for the roles of the earlier ones: role -> object name.
+
+    Args:
+        demonstration: the further demonstration.
+        models: its objects.
+        earlier: roles of each earlier demonstration.
+        settings: pairs, which say which objects are involved.
+
+    Raises:
+        DemonstrationError: if it lacks an object that the earlier ones have, or has one that they lack.
+    """
+    roles = [
+        Role(
+            name=first.role,
+            affordances=first.affordances,
+            moves=False,
+            demonstrated=tuple(sorted({role.object for roles in earlier for role in roles if role.role == first.role})),
+        )
+        for first in earlier[0]
+    ]
+    involved = involved_objects(models, settings)
+    try:
+        objects = bind_roles(roles, {name: models[name] for name in involved})
+    except BindingError as error:
+        raise DemonstrationError(demonstration.name, f"does not show what the others do: {error}") from error
+    extra = [name for name in involved if name not in objects.values()]
+    if extra:
+        raise DemonstrationError(
+            demonstration.name,
+            f"shows {', '.join(extra)}, which the demonstrations before it lack",
+            "all demonstrations of an action must show the same objects, or others with the same affordances",
+        )
+    return objects

@@ -1,0 +1,280 @@
+"""Learning an action model from demonstrations (paper, section III-C; method.md, section 4)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.constraints import RegionPair, constraint_type
+from sbam.demonstrations.demonstration import Demonstration
+from sbam.errors import DemonstrationError
+from sbam.learning.anchors import AnchorSet, align_events
+from sbam.learning.binding import (
+    Library,
+    bind_demonstration,
+    demonstrated_models,
+    involved_objects,
+    new_roles,
+)
+from sbam.learning.generalization import GeneralizedChange
+from sbam.learning.hand_holds import hand_holds
+from sbam.learning.incremental import add_candidates, first_demonstration
+from sbam.learning.keypoints import keypoint_histogram, keypoint_times
+from sbam.learning.model import ActionModel, Anchor, Role
+from sbam.learning.pairs import pairs_that_move
+from sbam.learning.settings import LearningSettings
+from sbam.learning.sketch import ChannelCandidates, DemonstrationSketch, PairCandidates, sketch_demonstration
+from sbam.learning.time_alignment import warp
+from sbam.scene.object_library import ObjectLibrary
+
+Array = NDArray[np.float64]
+Progress = Callable[[int, int], None]
+
+
+def learn(
+    demonstrations: Sequence[Demonstration],
+    constraint: str = "cartesian",
+    mode: str = "default",
+    library: Library | None = None,
+    name: str | None = None,
+    progress: Progress | None = None,
+    settings: LearningSettings | None = None,
+) -> ActionModel:
+    """Learn a Spatial Bimanual Action Model.
+
+    Args:
+        demonstrations: one or more demonstrations of the same action.
+        constraint: ``cartesian``, ``cylindrical`` or ``symbolic``.
+        mode: ``default`` or ``paper``.
+        library: models of the objects; None: the built-in library.
+        name: name of the action; None: that of the first demonstration.
+        progress: called with the number of finished demonstrations and of all.
+        settings: single choices; None: those of ``mode``.
+
+    Returns:
+        The model. In mode ``default`` it is the same as if the demonstrations had been added one by one.
+
+    Raises:
+        DemonstrationError: if there is no demonstration, nothing moves, or the objects do not correspond.
+        UnknownNameError: for an unknown constraint type, mode or object.
+    """
+    constraint_type(constraint)
+    settings = settings or LearningSettings.for_mode(mode)
+    library = ObjectLibrary.built_in() if library is None else library
+    if not demonstrations:
+        raise DemonstrationError(name or "(none)", "there is nothing to learn from", "give one or more demonstrations")
+    _check_objects(demonstrations, library, settings)
+    model: ActionModel | None = None
+    sketches: list[DemonstrationSketch] = []
+    for done, demonstration in enumerate(demonstrations):
+        sketch = _sketch(demonstration, sketches, library, constraint, settings)
+        sketches.append(sketch)
+        if not _keeps_candidates(settings):
+            model = _extended(model, sketch, name or sketches[0].name, constraint, settings)
+        if progress is not None:
+            progress(done + 1, len(demonstrations))
+    return model or _build(name or sketches[0].name, constraint, settings, tuple(sketches))
+
+
+def add_demonstration(model: ActionModel, demonstration: Demonstration, library: Library | None = None) -> ActionModel:
+    """The model with one more demonstration; the earlier recordings are not needed.
+
+    Args:
+        model: a model from `learn` or from a file; it is not changed.
+        demonstration: another demonstration of the same action.
+        library: models of the objects; None: the built-in library.
+
+    Raises:
+        DemonstrationError: if it does not show the same roles.
+    """
+    library = ObjectLibrary.built_in() if library is None else library
+    sketch = _sketch(demonstration, model.demonstrations, library, model.constraint, model.settings)
+    if _keeps_candidates(model.settings):
+        return _build(model.name, model.constraint, model.settings, (*model.demonstrations, sketch))
+    return _extended(model, sketch, model.name, model.constraint, model.settings)
+
+
+def _keeps_candidates(settings: LearningSettings) -> bool:
+    """Whether times may shift with further demonstrations, so that all must be generalised anew."""
+    return settings.time_alignment != "seconds"
+
+
+def _check_objects(demonstrations: Sequence[Demonstration], library: Library, settings: LearningSettings) -> None:
+    """Name the demonstration that lacks an object, rather than the first one after it that has it."""
+    involved = [involved_objects(demonstrated_models(d, library), settings) for d in demonstrations]
+    most = max(range(len(involved)), key=lambda index: len(involved[index]))
+    for demonstration, names in zip(demonstrations, involved, strict=True):
+        if len(names) < len(involved[most]):
+            missing = [object_name for object_name in involved[most] if object_name not in names]
+            raise DemonstrationError(
+                demonstration.name,
+                f"lacks {', '.join(missing)} (or objects with the same affordances), which "
+                f"{demonstrations[most].name!r} shows; it shows {', '.join(names) or 'no known affordances'}",
+            )
+
+
+def _sketch(
+    demonstration: Demonstration,
+    earlier: Sequence[DemonstrationSketch],
+    library: Library,
+    constraint: str,
+    settings: LearningSettings,
+) -> DemonstrationSketch:
+    models = demonstrated_models(demonstration, library)
+    if earlier:
+        objects = bind_demonstration(demonstration, models, [sketch.roles for sketch in earlier], settings)
+    else:
+        objects = new_roles(models, settings)
+        if not objects:
+            raise DemonstrationError(
+                demonstration.name,
+                f"no two of its objects belong together by their affordances; it shows {', '.join(models) or 'none'}",
+            )
+    sketch = sketch_demonstration(demonstration, objects, models, constraint, settings)
+    if not any(role.moves for role in sketch.roles):
+        raise DemonstrationError(demonstration.name, f"none of its objects ({', '.join(objects.values())}) moves")
+    return sketch
+
+
+@dataclass(frozen=True)
+class _TimeAxis:
+    """Anchors of all demonstrations: times (D, A) in their own time, (A,) on the model's."""
+
+    anchors: AnchorSet
+    model: Array
+
+
+def _time_axis(sketches: Sequence[DemonstrationSketch], settings: LearningSettings) -> _TimeAxis:
+    durations = [sketch.duration for sketch in sketches]
+    if settings.time_alignment == "events":
+        anchors = align_events([sketch.events for sketch in sketches], durations)
+    else:
+        times = np.column_stack([np.zeros(len(durations)), durations])
+        anchors = AnchorSet(("start", "end"), (None, None), times)
+    return _TimeAxis(anchors, anchors.mean_times)
+
+
+def _build(
+    name: str, constraint: str, settings: LearningSettings, sketches: tuple[DemonstrationSketch, ...]
+) -> ActionModel:
+    """Generalise all sketches, in their order."""
+    axis = _time_axis(sketches, settings)
+    pairs = _watched_pairs(sketches, settings)
+    changes: tuple[GeneralizedChange, ...] = ()
+    for index, sketch in enumerate(sketches):
+        candidates = [
+            _aligned(candidate, axis.anchors.times[index], axis.model)
+            for candidate in sketch.candidates
+            if candidate.pair in pairs
+        ]
+        changes = _generalized(changes, candidates, index + 1, settings, axis.model)
+    return _assembled(name, constraint, settings, sketches, changes, axis)
+
+
+def _extended(
+    model: ActionModel | None,
+    sketch: DemonstrationSketch,
+    name: str,
+    constraint: str,
+    settings: LearningSettings,
+) -> ActionModel:
+    """Update the generalised changes with one sketch, of which then only the frame is kept (the paper's way)."""
+    earlier = model.demonstrations if model else ()
+    sketches = (*earlier, sketch)
+    pairs = {change.pair for change in model.changes} if model else set(_watched_pairs(sketches, settings))
+    candidates = [candidate for candidate in sketch.candidates if candidate.pair in pairs]
+    changes = _generalized(model.changes if model else (), candidates, len(sketches), settings, None)
+    kept = tuple(sketch.without_candidates() for sketch in sketches)
+    return _assembled(name, constraint, settings, kept, changes, _time_axis(kept, settings))
+
+
+def _watched_pairs(sketches: Sequence[DemonstrationSketch], settings: LearningSettings) -> tuple[RegionPair, ...]:
+    pairs = tuple(candidate.pair for candidate in sketches[-1].candidates)
+    if settings.pairs == "all":
+        return pairs
+    return pairs_that_move(pairs, {role.role for sketch in sketches for role in sketch.roles if role.moves})
+
+
+def _aligned(candidates: PairCandidates, own: Array, model: Array) -> PairCandidates:
+    """The candidates on the model's time axis, with a knot at every anchor."""
+    channels = []
+    for channel in candidates.channels:
+        time = np.union1d(channel.time, own)
+        value = np.interp(time, channel.time, channel.value)
+        channels.append(ChannelCandidates(warp(time, own, model), value))
+    return PairCandidates(candidates.pair, candidates.constraint, tuple(channels))
+
+
+def _generalized(
+    changes: tuple[GeneralizedChange, ...],
+    candidates: Sequence[PairCandidates],
+    demonstrations: int,
+    settings: LearningSettings,
+    anchors: Array | None,
+) -> tuple[GeneralizedChange, ...]:
+    """Changes after one more demonstration; ``anchors`` (A,) are knots in both, None: only the ends belong together."""
+    result = []
+    for index, candidate in enumerate(candidates):
+        kind = constraint_type(candidate.constraint)
+        channels = []
+        for position, new in enumerate(candidate.channels):
+            if not changes:
+                names = kind.channel_names[position], kind.channel_units[position]
+                channels.append(first_demonstration(*names, new.time, new.value))
+                continue
+            old = changes[index].channels[position]
+            given = None if anchors is None else (_nearest(old.time, anchors), _nearest(new.time, anchors))
+            channels.append(add_candidates(old, new.time, new.value, demonstrations, settings, given))
+        result.append(GeneralizedChange(candidate.pair, candidate.constraint, tuple(channels)))
+    return tuple(result)
+
+
+def _nearest(time: Array, wanted: Array) -> NDArray[np.int64]:
+    """Index (A,) of the time nearest to each of the wanted ones, up to rounding equal to it."""
+    return np.abs(time[:, None] - wanted).argmin(axis=0)
+
+
+def _assembled(
+    name: str,
+    constraint: str,
+    settings: LearningSettings,
+    sketches: tuple[DemonstrationSketch, ...],
+    changes: tuple[GeneralizedChange, ...],
+    axis: _TimeAxis,
+) -> ActionModel:
+    anchors = tuple(
+        Anchor(kind, role, float(time))
+        for kind, role, time in zip(axis.anchors.kinds, axis.anchors.roles, axis.model, strict=True)
+    )
+    duration = float(axis.model[-1])
+    histogram = keypoint_histogram(changes, duration, settings)
+    return ActionModel(
+        name=name,
+        constraint=constraint,
+        mode=settings.mode,
+        roles=_roles(sketches, changes),
+        changes=changes,
+        anchors=anchors,
+        keypoint_times=keypoint_times(histogram, axis.model),
+        holds=hand_holds(sketches, axis.anchors, axis.model),
+        synthetic=any(sketch.synthetic for sketch in sketches),
+        demonstrations=sketches,
+        settings=settings,
+        notes=axis.anchors.notes,
+    )
+
+
+def _roles(sketches: Sequence[DemonstrationSketch], changes: Sequence[GeneralizedChange]) -> tuple[Role, ...]:
+    """The roles that take part in a watched pair."""
+    regions = {region for change in changes for region in (change.pair.first, change.pair.second) if region is not None}
+    result = []
+    for name in (role.role for role in sketches[0].roles):
+        played = [role for sketch in sketches for role in sketch.roles if role.role == name]
+        affordances = tuple(sorted(region.affordance for region in regions if region.role == name))
+        if affordances:
+            moves = any(role.moves for role in played)
+            result.append(Role(name, affordances, moves, tuple(sorted({role.object for role in played}))))
+    return tuple(result)

@@ -1,0 +1,91 @@
+"""Piecewise-linear segmentation of a channel over time (paper, section III-B)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_FULL_SEARCH = 128
+"""Up to this many split points are all tried; of more, every n-th first and then those around the best."""
+
+
+def segment(
+    time: Array, value: Array, threshold: float, knots: Sequence[int] | NDArray[np.int64] = ()
+) -> NDArray[np.int64]:
+    """Samples that a polyline must keep: top-down by area, then one pass that drops or moves each split point.
+
+    Args:
+        time: (T,) s, strictly increasing.
+        value: (T,) samples of one channel.
+        threshold: largest area between the samples and one segment, unit of ``value`` times s.
+        knots: samples that are kept in any case.
+
+    Returns:
+        Indices of the kept samples, increasing, with the first and the last.
+    """
+    fixed = {0, len(time) - 1, *(int(knot) for knot in knots)}
+    borders = sorted(fixed)
+    weight = _trapezoid_weights(time)
+    kept = set(borders)
+    open_segments = list(pairwise(borders))
+    while open_segments:
+        start, end = open_segments.pop()
+        if end - start > 1 and _area(time, value, weight, start, end) > threshold:
+            split = _best_split(time, value, weight, start, end)
+            kept.add(split)
+            open_segments += [(start, split), (split, end)]
+    return np.array(_final_pass(time, value, weight, threshold, sorted(kept), fixed), dtype=np.int64)
+
+
+def _final_pass(
+    time: Array, value: Array, weight: Array, threshold: float, points: list[int], fixed: set[int]
+) -> list[int]:
+    result = [points[0]]
+    for point, after in pairwise(points[1:]):
+        if point in fixed:
+            result.append(point)
+        elif _area(time, value, weight, result[-1], after) > threshold:
+            result.append(_best_split(time, value, weight, result[-1], after))
+    return [*result, points[-1]]
+
+
+def _trapezoid_weights(time: Array) -> Array:
+    """Weights (T,) with which samples add up to an area."""
+    step = np.diff(time)
+    weight = np.zeros_like(time)
+    weight[:-1] += 0.5 * step
+    weight[1:] += 0.5 * step
+    return weight
+
+
+def _area(time: Array, value: Array, weight: Array, start: int, end: int) -> float:
+    """Area between the samples and the chord from sample ``start`` to ``end``."""
+    t, y = time[start : end + 1], value[start : end + 1]
+    slope = (y[-1] - y[0]) / (t[-1] - t[0])
+    return float(np.abs(y - y[0] - slope * (t - t[0])) @ weight[start : end + 1])
+
+
+def _best_split(time: Array, value: Array, weight: Array, start: int, end: int) -> int:
+    """The sample between ``start`` and ``end`` with the least area to the two chords that meet there."""
+    count = end - start - 1
+    stride = -(-count // _FULL_SEARCH)
+    splits = np.arange(start + 1 + (stride - 1) // 2, end, stride)
+    best = splits[_split_areas(time, value, weight, start, end, splits).argmin()]
+    if stride > 1:
+        splits = np.arange(max(start + 1, best - stride + 1), min(end, best + stride))
+        best = splits[_split_areas(time, value, weight, start, end, splits).argmin()]
+    return int(best)
+
+
+def _split_areas(time: Array, value: Array, weight: Array, start: int, end: int, splits: NDArray[np.int64]) -> Array:
+    """Area (K,) between the samples and the chords start - split - end for K splits."""
+    t, y = time[start : end + 1], value[start : end + 1]
+    t_split, y_split = time[splits, None], value[splits, None]
+    before, after = (y_split - y[0]) / (t_split - t[0]), (y[-1] - y_split) / (t[-1] - t_split)
+    slope = np.where(t < t_split, before, after)
+    return np.abs(y - y_split - slope * (t - t_split)) @ weight[start : end + 1]
