@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import RigidTransform
+from scipy.spatial.transform import Rotation
 
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.signals import (
@@ -21,6 +21,7 @@ from sbam.demonstrations.signals import (
     Run,
     bridge,
     even_times,
+    resample,
     smooth_axes,
     smooth_positions,
     speed,
@@ -91,19 +92,17 @@ class ObjectMotion:
     Attributes:
         grid: (N,) s from the start of the recording.
         position: (N, 3) smoothed, world, m.
-        speed: (N,) m/s.
-        axis: (N, 3) smoothed unit axis, world.
+        speed: (N,) m/s; 0 for an object that stays where it is.
         moving: stretches of motion, in order; empty if the object stays where it is.
     """
 
     grid: Array
     position: Array
     speed: Array
-    axis: Array
     moving: tuple[Run, ...]
 
 
-def object_axis(model: ObjectModel | None, T_world_object: RigidTransform) -> Array:
+def object_axis(model: ObjectModel | None, R_world_object: Rotation) -> Array:
     """The axis of an object whose rotation matters: the line along which its affordance regions lie.
 
     Rotation about this line is invisible to the constraints between the centres of the regions. An object with fewer
@@ -111,13 +110,13 @@ def object_axis(model: ObjectModel | None, T_world_object: RigidTransform) -> Ar
 
     Args:
         model: what is known of the object, or None.
-        T_world_object: (T,) its poses.
+        R_world_object: (T,) its orientations.
 
     Returns:
         (3,) unit vector, object frame.
     """
     if model is None:
-        return T_world_object[0].rotation.inv().apply([0.0, 0.0, 1.0])
+        return R_world_object[0].inv().apply([0.0, 0.0, 1.0])
     centers = np.array([region.center for region in model.affordance_regions]).reshape(-1, 3)
     if len(centers) < 2 or np.ptp(centers, axis=0).max() < 0.01:
         return np.asarray(model.up, dtype=float)
@@ -134,21 +133,16 @@ def known_models(
     return {name: models[name] for name in demonstration.objects if name in models}
 
 
-def object_motion(demonstration: Demonstration, name: str, model: ObjectModel | None = None) -> ObjectMotion:
-    """Smoothed motion of one object and its stretches of motion.
-
-    Args:
-        demonstration: the recording.
-        name: the object.
-        model: what is known of it (see `object_axis`).
-    """
+def object_motion(demonstration: Demonstration, name: str) -> ObjectMotion:
+    """Smoothed motion of one object and its stretches of motion."""
     time = demonstration.time
-    poses = demonstration.T_world_object[name]
+    position = demonstration.T_world_object[name].translation
     grid = even_times(time)
-    position = smooth_positions(poses.translation, time, grid)
-    axis = smooth_axes(poses.rotation.apply(object_axis(model, poses)), time, grid)
-    object_speed = speed(position, grid)
-    return ObjectMotion(grid, position, object_speed, axis, _moving(position, object_speed))
+    if np.linalg.norm(np.ptp(position, axis=0)) <= MOVING_DISPLACEMENT:
+        return ObjectMotion(grid, resample(position, time, grid), np.zeros(len(grid)), ())
+    smooth = smooth_positions(position, time, grid)
+    object_speed = speed(smooth, grid)
+    return ObjectMotion(grid, smooth, object_speed, _moving(smooth, object_speed))
 
 
 def _moving(position: Array, object_speed: Array) -> tuple[Run, ...]:
@@ -190,24 +184,26 @@ def find_events(
     known = known_models(demonstration, models)
     events: list[Event] = []
     for name in demonstration.objects:
-        motion = object_motion(demonstration, name, known.get(name))
+        motion = object_motion(demonstration, name)
         if motion.moving:
-            events += _events_of(name, motion, demonstration.T_world_agent)
+            events += _events_of(demonstration, name, motion, known.get(name))
     return tuple(sorted(events, key=lambda event: event.time))
 
 
-def _events_of(name: str, motion: ObjectMotion, T_world_agent: RigidTransform) -> list[Event]:
+def _events_of(demonstration: Demonstration, name: str, motion: ObjectMotion, model: ObjectModel | None) -> list[Event]:
     whole = Run(motion.moving[0].start, motion.moving[-1].stop)
+    rotation = demonstration.T_world_object[name].rotation
+    axis = smooth_axes(rotation.apply(object_axis(model, rotation)), demonstration.time, motion.grid)
     one = np.ones(1)
     return [
         Event("lift", name, float(motion.grid[whole.start]), one, 1.0),
         Event("place", name, float(motion.grid[whole.stop - 1]), one, 1.0),
-        *_reversals(name, motion, whole, T_world_agent),
-        *_tilts(name, motion, whole),
+        *_reversals(name, motion, whole, demonstration.T_world_agent.rotation),
+        *_tilts(name, motion.grid[whole.start : whole.stop], axis[whole.start : whole.stop]),
     ]
 
 
-def _reversals(name: str, motion: ObjectMotion, whole: Run, T_world_agent: RigidTransform) -> list[Event]:
+def _reversals(name: str, motion: ObjectMotion, whole: Run, R_world_agent: Rotation) -> list[Event]:
     from scipy.signal import find_peaks
 
     position = motion.position[whole.start : whole.stop]
@@ -220,7 +216,7 @@ def _reversals(name: str, motion: ObjectMotion, whole: Run, T_world_agent: Rigid
         after = _arm(position[minimum:])
         change = after - before
         if before @ after < 0 and np.linalg.norm(change) > 0:
-            descriptor = T_world_agent.rotation.inv().apply(change / np.linalg.norm(change))
+            descriptor = R_world_agent.inv().apply(change / np.linalg.norm(change))
             strength = float(prominence / object_speed.max())
             events.append(Event("reversal", name, float(motion.grid[whole.start + minimum]), descriptor, strength))
     return events
@@ -235,15 +231,15 @@ def _arm(path: Array) -> Array:
     return (path[end] - path[0]) / max(distance[end], np.finfo(float).tiny)
 
 
-def _tilts(name: str, motion: ObjectMotion, whole: Run) -> list[Event]:
+def _tilts(name: str, grid: Array, axis: Array) -> list[Event]:
     from scipy.signal import find_peaks
 
-    axis = motion.axis[whole.start : whole.stop]
-    rate = speed(axis, motion.grid[whole.start : whole.stop])
+    rate = speed(axis, grid)
     least = max(TILT_RATE, TILT_RELATIVE_RATE * float(rate.max()))
     # Half of the threshold as prominence: a rotation with a short hesitation stays one rotation.
     peaks, _ = find_peaks(np.concatenate([[0.0], rate, [0.0]]), height=least, prominence=0.5 * least)
     peaks = peaks - 1
+    # Each peak turns from one valley to the next; without a peak there is nothing to do.
     valleys = [
         0,
         *(first + int(rate[first:second].argmin()) for first, second in pairwise(peaks)),
@@ -251,10 +247,9 @@ def _tilts(name: str, motion: ObjectMotion, whole: Run) -> list[Event]:
     ]
     angle_to_rest = np.arccos(np.clip(axis @ axis[0], -1.0, 1.0))
     events = []
-    for peak, start, stop in zip(peaks, valleys[:-1], valleys[1:], strict=True):
+    for peak, (start, stop) in zip(peaks, pairwise(valleys), strict=False):
         turned = np.arccos(np.clip(axis[start] @ axis[stop], -1.0, 1.0))
         if turned > TILT_ANGLE:
             away = 1.0 if angle_to_rest[stop] > angle_to_rest[start] else -1.0
-            time = float(motion.grid[whole.start + peak])
-            events.append(Event("tilt", name, time, np.array([away]), float(rate[peak] / rate.max())))
+            events.append(Event("tilt", name, float(grid[peak]), np.array([away]), float(rate[peak] / rate.max())))
     return events

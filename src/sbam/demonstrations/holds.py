@@ -97,19 +97,47 @@ def find_holds(
     """
     known = known_models(demonstration, models)
     movable = [name for name in demonstration.objects if name not in known or known[name].movable]
-    motions = {name: object_motion(demonstration, name, known.get(name)) for name in movable}
+    motions = {name: object_motion(demonstration, name) for name in movable}
     holds: list[Hold] = []
     if not demonstration.T_world_hand:
         holds = [_hold_without_hand(name, motion) for name, motion in motions.items() if motion.moving]
-    for hand in demonstration.T_world_hand:
-        busy: list[Run] = []
-        # Moved objects first: a hand that carries one object does not hold another that it pauses beside.
-        for name, motion in sorted(motions.items(), key=lambda item: not item[1].moving):
-            relative = _relative_motion(demonstration, hand, name, known.get(name), motion.grid)
-            spans = _carrying(motion, relative) if motion.moving else _steadying(relative, busy)
-            busy += spans
-            holds += [_hold(demonstration, hand, name, motion.grid, span) for span in spans]
+    else:
+        rotations = {name: demonstration.T_world_object[name].rotation for name in movable}
+        axes = {name: object_axis(known.get(name), rotations[name]) for name in movable}
+        for hand, T_world_hand in demonstration.T_world_hand.items():
+            hand_position = T_world_hand.translation
+            relatives = {}
+            for name in movable:
+                from_object = hand_position - demonstration.T_world_object[name].translation
+                seen = rotations[name].inv().apply(from_object)
+                relatives[name] = _relative_motion(seen, axes[name], demonstration.time, motions[name].grid)
+            for name, span in _spans_of_hand(motions, relatives):
+                holds.append(_hold(demonstration, hand, name, motions[name].grid, span))
     return tuple(sorted(holds, key=lambda hold: (hold.start, hold.object, hold.hand or "")))
+
+
+def _spans_of_hand(motions: Mapping[str, ObjectMotion], relatives: Mapping[str, _Relative]) -> list[tuple[str, Run]]:
+    """What one hand holds and when; of two objects at the same time the one that it carries farther."""
+    carried = [
+        (_carried_path(span, motion, relatives[name]), name, span)
+        for name, motion in motions.items()
+        if motion.moving
+        for span in _carrying(motion, relatives[name])
+    ]
+    spans: list[tuple[str, Run]] = []
+    for _, name, span in sorted(carried, key=lambda item: -item[0]):
+        if not any(2 * _overlap(span, other) > span.stop - span.start for _, other in spans):
+            spans.append((name, span))
+    # A hand that carries one object does not hold another that it pauses beside.
+    busy = [span for _, span in spans]
+    for name, motion in motions.items():
+        if not motion.moving:
+            spans += [(name, span) for span in _steadying(relatives[name], busy)]
+    return spans
+
+
+def _overlap(first: Run, second: Run) -> int:
+    return min(first.stop, second.stop) - max(first.start, second.start)
 
 
 def _hold_without_hand(name: str, motion: ObjectMotion) -> Hold:
@@ -118,52 +146,50 @@ def _hold_without_hand(name: str, motion: ObjectMotion) -> Hold:
 
 
 def _median_of_three(positions: Array) -> Array:
-    if len(positions) < 3:
-        return positions
-    padded = np.concatenate([positions[:1], positions, positions[-1:]])
-    return np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
+    """Positions (T, 3) without single frames that stick out."""
+    result = positions.copy()
+    first, second, third = positions[:-2], positions[1:-1], positions[2:]
+    result[1:-1] = np.maximum(np.minimum(first, second), np.minimum(np.maximum(first, second), third))
+    return result
 
 
-def _relative_motion(
-    demonstration: Demonstration, hand: Hand, name: str, model: ObjectModel | None, grid: Array
-) -> _Relative:
-    poses = demonstration.T_world_object[name]
-    position = _median_of_three(poses.inv().apply(demonstration.T_world_hand[hand].translation))
-    smooth = low_pass(resample(position, demonstration.time, grid), POSITION_CUTOFF)
-    axis = object_axis(model, poses)
+def _relative_motion(position: Array, axis: Array, time: Array, grid: Array) -> _Relative:
+    """From the positions (T, 3) of a hand in an object's frame, m."""
+    smooth = low_pass(resample(_median_of_three(position), time, grid), POSITION_CUTOFF)
     distance = np.linalg.norm(smooth - np.outer(smooth @ axis, axis), axis=1)
     return _Relative(speed(smooth, grid), distance)
 
 
 def _carrying(motion: ObjectMotion, relative: _Relative) -> list[Run]:
     """When the hand holds an object that is moved."""
-    moves = np.zeros(len(motion.grid), dtype=bool)
-    for run in motion.moving:
-        moves[run.start : run.stop] = True
     slow = relative.speed < RELATIVE_SPEED
-    if not (moves & slow).any():
+    along = [run for run in bridge(true_runs(slow), SLIP_GAP) if _carried_path(run, motion, relative) > 0]
+    if not along:
         return []
-    carried = [
-        run for run in bridge(true_runs(slow), SLIP_GAP) if _is_carried(run, moves, motion.speed, relative.speed)
-    ]
-    if not carried:
-        return []
-    samples = np.concatenate([np.arange(*run) for run in carried])
+    samples = np.concatenate([np.arange(*run) for run in along])
+    moves = _moves(motion)
     reach = float(np.median(relative.distance[samples[moves[samples]]])) + REACH_MARGIN
     spans = []
-    for span in bridge(bridge(true_runs(slow & (relative.distance < reach)), SLIP_GAP), REGRIP_GAP):
-        inside = [run for run in motion.moving if run.start < span.stop and span.start < run.stop]
-        if inside and _is_carried(span, moves, motion.speed, relative.speed):
-            spans.append(Run(_grasp(motion, inside[0], span), span.stop))
+    for span in bridge(true_runs(slow & (relative.distance < reach)), REGRIP_GAP):
+        if _carried_path(span, motion, relative) > 0:
+            first = next(run for run in motion.moving if run.stop > span.start)
+            spans.append(Run(_grasp(motion, first, span), span.stop))
     return spans
 
 
-def _is_carried(run: Run, moves: NDArray[np.bool_], object_speed: Array, relative_speed: Array) -> bool:
-    """Whether the hand goes along with the object in a run, where that moves."""
-    part = moves[run.start : run.stop]
-    path = object_speed[run.start : run.stop][part].sum() / RATE
-    slip = relative_speed[run.start : run.stop][part].sum() / RATE
-    return path > CARRIED_PATH and slip < RELATIVE_PATH * path
+def _moves(motion: ObjectMotion) -> NDArray[np.bool_]:
+    moves = np.zeros(len(motion.grid), dtype=bool)
+    for run in motion.moving:
+        moves[run.start : run.stop] = True
+    return moves
+
+
+def _carried_path(run: Run, motion: ObjectMotion, relative: _Relative) -> float:
+    """Path of the object in a run, m; 0 if it is too short or if the hand does not go along."""
+    part = _moves(motion)[run.start : run.stop]
+    path = float(motion.speed[run.start : run.stop][part].sum()) / RATE
+    slip = float(relative.speed[run.start : run.stop][part].sum()) / RATE
+    return path if path > CARRIED_PATH and slip < RELATIVE_PATH * path else 0.0
 
 
 def _grasp(motion: ObjectMotion, move: Run, span: Run) -> int:
@@ -185,7 +211,7 @@ def _steadying(relative: _Relative, busy: list[Run]) -> list[Run]:
     for run in busy:
         holds[run.start : run.stop] = False
     spans = []
-    for span in bridge(bridge(true_runs(holds), SLIP_GAP), REGRIP_GAP):
+    for span in bridge(true_runs(holds), REGRIP_GAP):
         if span.start > 0 and span.stop < len(holds):
             distance = relative.distance[span.start : span.stop]
             settled = Run(span.start + int(np.argmax(distance < np.median(distance) + SETTLED)), span.stop)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -59,9 +60,9 @@ def without_glitches(values: Array, time: Array, floor: float, max_acceleration:
     deviation = np.linalg.norm(values[1:-1] - values[:-2] * (1 - weight) - values[2:] * weight, axis=1)
     implausible = deviation > np.maximum(floor, 0.5 * max_acceleration * before * after)
     # The neighbours of a glitch deviate too, but the median leaves them as they are.
-    median = np.median(np.stack([values[:-2], values[1:-1], values[2:]]), axis=0)
     result = values.copy()
-    result[1:-1][implausible] = median[implausible]
+    frames = np.flatnonzero(implausible) + 1
+    result[frames] = np.median(np.stack([values[frames - 1], values[frames], values[frames + 1]]), axis=0)
     return result
 
 
@@ -72,11 +73,17 @@ def low_pass(values: Array, cutoff: float) -> Array:
         values: (N, C) on the even grid.
         cutoff: Hz.
     """
-    from scipy.signal import butter, sosfiltfilt
+    from scipy.signal import sosfiltfilt
 
     padding = min(round(_PADDING * RATE), len(values) - 1)
-    sections = np.asarray(butter(2, cutoff, fs=RATE, output="sos"))
-    return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=padding))
+    return np.asarray(sosfiltfilt(_butterworth(cutoff), values, axis=0, padlen=padding))
+
+
+@cache
+def _butterworth(cutoff: float) -> Array:
+    from scipy.signal import butter
+
+    return np.asarray(butter(2, cutoff, fs=RATE, output="sos"))
 
 
 def resample(values: Array, time: Array, grid: Array) -> Array:

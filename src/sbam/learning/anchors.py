@@ -115,11 +115,11 @@ def _phases(events: Sequence[Event]) -> Array:
 
 
 def _costs(first: Sequence[Event], second: Sequence[Event]) -> Array:
-    """Cost (N, M) of making events partners; infinite between different kinds."""
+    """Cost (N, M) of making events partners; infinite between different kinds and opposite directions."""
     cost = np.abs(_phases(first)[:, None] - _phases(second))
     for row, one in enumerate(first):
         for column, other in enumerate(second):
-            if one.kind != other.kind:
+            if one.kind != other.kind or one.descriptor @ other.descriptor < 0:
                 cost[row, column] = np.inf
             else:
                 cost[row, column] += DESCRIPTOR_WEIGHT * (1.0 - float(one.descriptor @ other.descriptor))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.events import Event, object_motion
+from sbam.demonstrations.signals import resample
 
 Array = NDArray[np.float64]
 
@@ -20,8 +21,8 @@ LEAST_STROKES = 4
 """Fewer alternating reversals than this are no strokes, and nothing is cut."""
 VELOCITY_TIME = 0.1
 """Weight of a jump in velocity against one in position, s."""
-AXIS_LEVER = 0.2
-"""Weight of a jump of an object's axis against one in position, m/rad."""
+ROTATION_LEVER = 0.1
+"""Weight of a jump in rotation against one in position, m/rad."""
 MAX_CHOICES = 600
 """Most instants among which a cut is chosen."""
 
@@ -125,9 +126,14 @@ def _jumps(demonstration: Demonstration, choices: NDArray[np.intp]) -> Array:
         if not motion.moving:
             continue
         velocity = np.gradient(motion.position, motion.grid, axis=0)
-        for values, weight in ((motion.position, 1.0), (velocity, VELOCITY_TIME), (motion.axis, AXIS_LEVER)):
-            at = np.stack([np.interp(demonstration.time[choices], motion.grid, column) for column in values.T], axis=1)
-            total += weight * np.linalg.norm(at[:, None] - at, axis=2)
+        at = demonstration.time[choices]
+        for values, weight in ((motion.position, 1.0), (velocity, VELOCITY_TIME)):
+            chosen = resample(values, motion.grid, at)
+            total += weight * np.linalg.norm(chosen[:, None] - chosen, axis=2)
+        rotation = demonstration.T_world_object[name][choices].rotation.as_matrix()
+        # 3 - trace(R_a^T R_b) = 2 - 2 cos(angle): the root is about the angle turned.
+        turned = np.sqrt(np.maximum(3 - np.einsum("aij,bij->ab", rotation, rotation), 0))
+        total += ROTATION_LEVER * turned
     return total
 
 
