@@ -1,1 +1,7 @@
 """Demonstrations."""
+
+from sbam.demonstrations.readers import read_demonstration, read_demonstrations
+from sbam.demonstrations.repair import repair
+from sbam.demonstrations.resampling import resample
+
+__all__ = ["read_demonstration", "read_demonstrations", "repair", "resample"]
