@@ -1,14 +1,20 @@
-"""Robots: description files, batched kinematics and Jacobians."""
+"""Robots: description files, batched kinematics, Jacobians and collision checks."""
 
+from sbam.robots.collision import ClearanceReport, CollisionModel, NearPairs
+from sbam.robots.collision_pairs import PAIR_CLASSES
 from sbam.robots.description import RobotDescription, read_description
 from sbam.robots.jacobian import point_jacobian, rotation_jacobian
 from sbam.robots.registry import ROBOTS, load_robot
 from sbam.robots.robot import Arm, Kinematics, Robot
 
 __all__ = [
+    "PAIR_CLASSES",
     "ROBOTS",
     "Arm",
+    "ClearanceReport",
+    "CollisionModel",
     "Kinematics",
+    "NearPairs",
     "Robot",
     "RobotDescription",
     "load_robot",

@@ -1,0 +1,224 @@
+"""Collision checks: clearances between arms, body, furniture and objects over many configurations."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import RigidTransform
+
+from sbam.errors import UnknownNameError
+from sbam.robots.collision_pairs import PAIR_CLASSES, collision_pairs, hand_bodies
+from sbam.robots.collision_shapes import CollisionShapes
+from sbam.robots.description import ArmName
+from sbam.robots.robot import Robot
+from sbam.scene import ObjectModel
+
+if TYPE_CHECKING:
+    import mujoco
+
+Floats = NDArray[np.float64]
+Held = Mapping[tuple[str, ArmName], NDArray[np.bool_]]
+
+
+@dataclass(frozen=True)
+class NearPairs:
+    """N pairs of shapes that are near each other; what a planner needs to push them apart.
+
+    ``d distance / dt = normal . (velocity of point_first - velocity of point_second)``.
+
+    Attributes:
+        sample: (N,) index of the configuration.
+        pair_class: (N,) index into `PAIR_CLASSES`.
+        first: N names of a robot's body or of an object.
+        second: N names of a robot's body or of an object.
+        distance: (N,) m; negative: depth of penetration.
+        point_first: (N, 3) nearest point of the first shape, world, m.
+        point_second: (N, 3) nearest point of the second shape, world, m.
+        normal: (N, 3) unit vector that points from the second to the first; zero where they just touch.
+    """
+
+    sample: NDArray[np.int64]
+    pair_class: NDArray[np.int64]
+    first: tuple[str, ...]
+    second: tuple[str, ...]
+    distance: Floats
+    point_first: Floats
+    point_second: Floats
+    normal: Floats
+
+
+@dataclass(frozen=True)
+class ClearanceReport:
+    """Smallest distances of B samples.
+
+    Attributes:
+        distance: (B,) smallest over all pairs, m; negative in penetration, at most ``distance_max``.
+        pair: B pairs of names (robot bodies or objects) that are nearest, or None where nothing is within it.
+        distance_by_class: the same for each of `PAIR_CLASSES`.
+        pair_by_class: the same for each of `PAIR_CLASSES`.
+        distance_max: m; farther pairs were not looked at.
+    """
+
+    distance: Floats
+    pair: tuple[tuple[str, str] | None, ...]
+    distance_by_class: Mapping[str, Floats]
+    pair_by_class: Mapping[str, tuple[tuple[str, str] | None, ...]]
+    distance_max: float
+
+    @property
+    def worst(self) -> tuple[int, tuple[str, str] | None, float]:
+        """Sample with the smallest distance, its pair and the distance in m."""
+        sample = int(np.argmin(self.distance))
+        return sample, self.pair[sample], float(self.distance[sample])
+
+
+class CollisionModel:
+    """Robot and objects as shapes.
+
+    Pair classes: ``arm-arm``; ``self`` (an arm with itself or the robot's body, links that share a joint excepted);
+    ``arm-support`` (what joints move, with immovable objects); ``arm-object`` (with movable objects, the holding
+    hand excepted); ``object-object`` (movable objects, when one of them is held). Objects on their supports are not
+    compared: they touch by intention. Pairs that the robot's model file excludes stay excluded.
+    """
+
+    def __init__(
+        self, robot: Robot, objects: Mapping[str, ObjectModel], allowed: Collection[tuple[str, str]] = ()
+    ) -> None:
+        """Prepare the shapes.
+
+        Args:
+            robot: the robot, standing where it acts.
+            objects: object name in the scene -> its model.
+            allowed: pairs of names (robot bodies or objects) that may touch.
+        """
+        self.robot = robot
+        self.shapes = CollisionShapes(robot, objects)
+        self._pairs, self._classes = collision_pairs(robot, self.shapes, objects, allowed)
+        self._hands = {side: hand_bodies(robot, side) for side in robot.arms}
+
+    def clearances(
+        self,
+        configurations: ArrayLike,
+        T_world_object: Mapping[str, RigidTransform],
+        held: Held | None = None,
+        distance_max: float = 0.1,
+    ) -> ClearanceReport:
+        """Smallest distance of every sample, by pair class.
+
+        Args:
+            configurations: (B, n) joint positions.
+            T_world_object: every object's pose in the world: one, or B of them.
+            held: (object, arm) -> (B,) mask of the samples at which that hand may touch that object.
+            distance_max: farther pairs are not looked at, m.
+
+        Raises:
+            ConfigurationError: if the configurations have another shape or are not finite.
+            UnknownNameError: if an object's pose is missing, or a held object or an arm is not known.
+        """
+        position, rotation = self.shapes.poses(configurations, T_world_object)
+        count = len(position)
+        sample, pair, bound = self._candidates(position, rotation, held, distance_max)
+        kinds = len(PAIR_CLASSES)
+        least, closest = [distance_max] * (count * kinds), [-1] * (count * kinds)
+        # nearest bound first: most of the others need no exact distance then
+        order = np.lexsort((bound, sample))
+        sample, pair, bound = sample[order], pair[order], bound[order]
+        measure = _Measure(self.shapes, position, rotation)
+        cells = sample * kinds + self._classes[pair]
+        for cell, at, which, low in zip(cells.tolist(), sample.tolist(), pair.tolist(), bound.tolist(), strict=True):
+            if low < least[cell]:
+                distance = measure(at, self._pairs[which], least[cell])
+                if distance < least[cell]:
+                    least[cell], closest[cell] = distance, which
+        smallest, nearest = np.reshape(least, (count, kinds)), np.reshape(closest, (count, kinds))
+        by_class = {name: smallest[:, index] for index, name in enumerate(PAIR_CLASSES)}
+        names = {name: tuple(map(self._names, nearest[:, index])) for index, name in enumerate(PAIR_CLASSES)}
+        overall = smallest.argmin(axis=1)
+        rows = np.arange(count)
+        pairs = tuple(map(self._names, nearest[rows, overall]))
+        return ClearanceReport(smallest[rows, overall], pairs, by_class, names, distance_max)
+
+    def near(
+        self,
+        configurations: ArrayLike,
+        T_world_object: Mapping[str, RigidTransform],
+        held: Held | None = None,
+        margin: float = 0.02,
+    ) -> NearPairs:
+        """All pairs of shapes nearer than a margin, with their nearest points; arguments as in `clearances`."""
+        position, rotation = self.shapes.poses(configurations, T_world_object)
+        sample, pair, _ = self._candidates(position, rotation, held, margin)
+        measure = _Measure(self.shapes, position, rotation)
+        distance, points = np.empty(len(sample)), np.empty((len(sample), 6))
+        for i in range(len(sample)):
+            distance[i] = measure(sample[i], self._pairs[pair[i]], margin)
+            points[i] = measure.points
+        keep = distance < margin
+        sample, pair, distance, points = sample[keep], pair[keep], distance[keep], points[keep]
+        first, second = points[:, :3], points[:, 3:]
+        scale = np.where(np.abs(distance) > 1e-9, distance, np.inf)
+        owners = self.shapes.owner[self._pairs[pair]].reshape(-1, 2)
+        return NearPairs(
+            sample=sample,
+            pair_class=self._classes[pair],
+            first=tuple(self.shapes.owners[i] for i in owners[:, 0]),
+            second=tuple(self.shapes.owners[i] for i in owners[:, 1]),
+            distance=distance,
+            point_first=first,
+            point_second=second,
+            normal=(first - second) / scale[:, None],
+        )
+
+    def _candidates(
+        self, position: Floats, rotation: Floats, held: Held | None, distance: float
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+        """Sample, pair and lower bound of what may be near and counts."""
+        sample, pair, bound = self.shapes.near(position, rotation, self._pairs, distance)
+        owners = self.shapes.owner[self._pairs[pair]].reshape(-1, 2)
+        index = {name: i for i, name in enumerate(self.shapes.owners)}
+        is_held = np.zeros((len(position), len(index)), dtype=bool)
+        keep = np.ones(len(sample), dtype=bool)
+        for (name, side), mask in (held or {}).items():
+            body = index[self.shapes.known_object(name)]
+            mask = np.asarray(mask, dtype=bool)
+            is_held[:, body] |= mask
+            if side not in self._hands:
+                raise UnknownNameError("arm", side, self._hands, "a held object's arm")
+            hand = [index[link] for link in self._hands[side] if link in index]
+            keep &= ~(mask[sample] & (owners == body).any(axis=1) & np.isin(owners, hand).any(axis=1))
+        loose = ~(is_held[sample, owners[:, 0]] | is_held[sample, owners[:, 1]])
+        keep &= ~(loose & (self._classes[pair] == PAIR_CLASSES.index("object-object")))
+        return sample[keep], pair[keep], bound[keep]
+
+    def _names(self, pair: int) -> tuple[str, str] | None:
+        if pair < 0:
+            return None
+        first, second = self.shapes.owner[self._pairs[pair]]
+        return self.shapes.owners[first], self.shapes.owners[second]
+
+
+class _Measure:
+    """Exact distances by MuJoCo; remembers which sample its data stand at."""
+
+    def __init__(self, shapes: CollisionShapes, position: Floats, rotation: Floats) -> None:
+        import mujoco
+
+        self._distance = mujoco.mj_geomDistance
+        self._model = shapes.model
+        self._data: mujoco.MjData = mujoco.MjData(shapes.model)
+        self._geoms = shapes.geoms
+        self._position, self._rotation = position, rotation.reshape(*rotation.shape[:2], 9)
+        self._sample = -1
+        self.points = np.zeros(6)
+
+    def __call__(self, sample: int, shapes: NDArray[np.int64], distance_max: float) -> float:
+        if sample != self._sample:
+            self._data.geom_xpos[self._geoms] = self._position[sample]
+            self._data.geom_xmat[self._geoms] = self._rotation[sample]
+            self._sample = sample
+        first, second = self._geoms[shapes]
+        return self._distance(self._model, self._data, first, second, distance_max, self.points)

@@ -1,0 +1,130 @@
+"""Shapes of the robot and of the scene's objects: where they are, and how near they can possibly be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from sbam.errors import UnknownNameError
+from sbam.robots.composition import compile_spec, pose_arrays
+from sbam.robots.robot import Robot
+from sbam.scene import ObjectModel
+
+if TYPE_CHECKING:
+    import mujoco
+
+Floats = NDArray[np.float64]
+OBJECT_PREFIX = "object/"
+
+
+class CollisionShapes:
+    """All shapes in one MuJoCo model, in which every object is a body whose pose is set from outside.
+
+    Attributes:
+        model: the MuJoCo model of robot and objects.
+        owners: name of each owner of shapes: a robot's body or an object.
+        geoms: (G,) shapes' indices in the model; all arrays below follow this order.
+        owner: (G,) index of each shape's owner.
+    """
+
+    def __init__(self, robot: Robot, objects: Mapping[str, ObjectModel]) -> None:
+        self._robot = robot
+        self.model = _compose(robot, objects)
+        model = self.model
+        # shapes that touch nothing (contype = conaffinity = 0) are for drawing only
+        self.geoms = np.flatnonzero((model.geom_contype | model.geom_conaffinity) != 0)
+        names = [model.body(body).name for body in range(model.nbody)]
+        bodies = [names[body] for body in model.geom_bodyid[self.geoms]]
+        used = sorted(set(bodies), key=names.index)
+        self.robot_bodies = tuple(name for name in used if name in robot.frame_names)
+        self.objects = tuple(objects)
+        self.owners = self.robot_bodies + self.objects
+        index = {name: i for i, name in enumerate(self.robot_bodies)}
+        index |= {OBJECT_PREFIX + name: len(index) + i for i, name in enumerate(self.objects)}
+        self.owner = np.array([index[body] for body in bodies], dtype=np.int64)
+        self._offset = model.geom_pos[self.geoms]
+        quaternions = model.geom_quat[self.geoms]
+        self._turn = Rotation.from_quat(quaternions, scalar_first=True).as_matrix()
+        box = model.geom_aabb[self.geoms]
+        self._box_center, self._box_half = box[:, :3], box[:, 3:]
+        self._radius = model.geom_rbound[self.geoms]
+
+    def known_object(self, name: str) -> str:
+        """The name itself; raises `UnknownNameError` if no object has it."""
+        if name not in self.objects:
+            raise UnknownNameError("object", name, self.objects, "the collision model")
+        return name
+
+    def poses(self, configurations: ArrayLike, T_world_object: Mapping[str, RigidTransform]) -> tuple[Floats, Floats]:
+        """Positions (B, G, 3) and rotation matrices (B, G, 3, 3) of all shapes in the world.
+
+        Args:
+            configurations: (B, n) joint positions.
+            T_world_object: every object's pose: one, or B of them.
+        """
+        kinematics = self._robot.kinematics(configurations, self.robot_bodies)
+        count = len(kinematics.position)
+        position = np.empty((count, len(self.owners), 3))
+        rotation = np.empty((count, len(self.owners), 3, 3))
+        fixed = len(self.robot_bodies)
+        position[:, :fixed], rotation[:, :fixed] = kinematics.position, kinematics.rotation
+        for index, name in enumerate(self.objects, start=fixed):
+            if name not in T_world_object:
+                raise UnknownNameError("object", name, T_world_object, "the poses given for a collision check")
+            pose = T_world_object[name]
+            position[:, index], rotation[:, index] = pose.translation, pose.rotation.as_matrix()
+        turn = rotation[:, self.owner]
+        return position[:, self.owner] + (turn @ self._offset[..., None])[..., 0], turn @ self._turn
+
+    def near(
+        self, position: Floats, rotation: Floats, pairs: NDArray[np.int64], distance: float
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+        """The pairs that may be nearer than a distance; never misses one.
+
+        First bounding spheres, then each shape's bounding box against the other's sphere.
+
+        Args:
+            position: (B, G, 3) of the shapes.
+            rotation: (B, G, 3, 3) of the shapes.
+            pairs: (P, 2) shapes to compare.
+            distance: m.
+
+        Returns:
+            Sample (N,), pair (N,) and a lower bound of the distance (N,), m.
+        """
+        first, second = pairs.T
+        reach = self._radius[first] + self._radius[second] + distance
+        between = position[:, first] - position[:, second]
+        sample, pair = np.nonzero(np.einsum("bpi,bpi->bp", between, between) < reach**2)
+        bound = np.full(len(sample), -np.inf)
+        for one, other in ((first[pair], second[pair]), (second[pair], first[pair])):
+            offset = position[sample, other] - position[sample, one]
+            local = np.einsum("nij,ni->nj", rotation[sample, one], offset) - self._box_center[one]
+            outside = np.maximum(np.abs(local) - self._box_half[one], 0.0)
+            bound = np.maximum(bound, np.linalg.norm(outside, axis=1) - self._radius[other])
+        keep = bound < distance
+        return sample[keep], pair[keep], bound[keep]
+
+
+def _compose(robot: Robot, objects: Mapping[str, ObjectModel]) -> mujoco.MjModel:
+    import mujoco
+
+    types: dict[str, Any] = {
+        "box": mujoco.mjtGeom.mjGEOM_BOX,
+        "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+        "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
+        "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
+    }
+    spec = robot.spec()
+    for name, model in objects.items():
+        body = spec.worldbody.add_body(name=OBJECT_PREFIX + name, mocap=True)
+        for primitive in model.geometry:
+            size = np.zeros(3)
+            size[: len(primitive.size)] = primitive.size
+            position, quaternion_wxyz = pose_arrays(primitive.T_object_primitive)
+            body.add_geom(type=types[primitive.kind], size=size, pos=position, quat=quaternion_wxyz)
+    return compile_spec(spec, robot.description.path)
