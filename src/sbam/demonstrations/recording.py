@@ -31,7 +31,7 @@ class Track:
     @property
     def seen(self) -> NDArray[np.bool_]:
         """(S,) whether the pose is finite."""
-        return np.isfinite(np.hstack([self.position, self.rotation_xyzw])).all(axis=1)
+        return np.isfinite(np.hstack([self.position, self.rotation_xyzw])).min(axis=1)
 
     @property
     def poses(self) -> RigidTransform:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sbam.demonstrations.demonstration import Hand
 from sbam.demonstrations.readers.checks import check_time, parse_xml
 from sbam.demonstrations.readers.mmm import HAND_MOTIONS, is_person, read_vectors, track_of_angles
 from sbam.demonstrations.recording import Recording, Track
@@ -54,5 +55,5 @@ def read(content: bytes, path: Path) -> Recording:
     objects = {name: track for name, track in tracks.items() if name not in HAND_MOTIONS}
     if not objects:
         raise FileFormatError(path, "", "no object motion with poses", "a <Motion> with <MotionFrames>")
-    hands = {hand: tracks[name] for name, hand in HAND_MOTIONS.items() if name in tracks}
+    hands: dict[Hand, Track] = {hand: tracks[name] for name, hand in HAND_MOTIONS.items() if name in tracks}
     return Recording(name=path.stem, objects=objects, hands=hands, person=person, notes=tuple(notes))
