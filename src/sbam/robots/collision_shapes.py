@@ -94,7 +94,8 @@ class CollisionShapes:
             distance: m.
 
         Returns:
-            Sample (N,), pair (N,) and a lower bound of the distance (N,), m.
+            Sample (N,), pair (N,) and a lower bound of the distance (N,), m; -inf where they may penetrate, because
+            the depth has no such bound.
         """
         first, second = pairs.T
         reach = self._radius[first] + self._radius[second] + distance
@@ -107,7 +108,7 @@ class CollisionShapes:
             outside = np.maximum(np.abs(local) - self._box_half[one], 0.0)
             bound = np.maximum(bound, np.linalg.norm(outside, axis=1) - self._radius[other])
         keep = bound < distance
-        return sample[keep], pair[keep], bound[keep]
+        return sample[keep], pair[keep], np.where(bound > 0, bound, -np.inf)[keep]
 
 
 def _compose(robot: Robot, objects: Mapping[str, ObjectModel]) -> mujoco.MjModel:
