@@ -61,7 +61,7 @@ def side(name):
 
 
 def test_against_every_pair_of_shapes(robot, collisions):
-    q = around_home(robot, 40)
+    q = around_home(robot, 60, spread=1.0)
     report = collisions.clearances(q, POSES, distance_max=DISTANCE_MAX)
     near_count = 0
     for sample, configuration in enumerate(q):
