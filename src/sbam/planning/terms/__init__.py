@@ -1,1 +1,9 @@
-"""Terms."""
+"""Objective terms, one a file: residual and derivative over all keypoints at once."""
+
+from sbam.planning.terms.base import EXACT, Smoothing, Term
+from sbam.planning.terms.damping import Damping
+from sbam.planning.terms.requirements import Closure, Resting
+from sbam.planning.terms.similarity import Similarity
+from sbam.planning.terms.smoothness import Smoothness
+
+__all__ = ["EXACT", "Closure", "Damping", "Resting", "Similarity", "Smoothing", "Smoothness", "Term"]

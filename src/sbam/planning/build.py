@@ -1,0 +1,128 @@
+"""Build the optimisation problem of a task for a robot that holds its objects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform
+
+from sbam.constraints import RegionReference, constraint_type
+from sbam.demonstrations.demonstration import Hand
+from sbam.planning.problem import Problem
+from sbam.planning.settings import PlanSettings
+from sbam.planning.state import Carrying, RegionPoint, Workspace
+from sbam.planning.task import Task
+from sbam.planning.terms import Closure, Damping, Resting, Similarity, Smoothness, Term
+from sbam.robots import Robot
+
+Array = NDArray[np.float64]
+
+# Mode `paper`: w'_o = c dt std, c in 1/(mm s) for lengths and 1/(log s) for log-densities. Larger values stop the pour.
+PAPER_DAMPING = {"cartesian": 1e-3, "cylindrical": 1e-3, "symbolic": 1e-4}
+
+
+def build_problem(
+    task: Task,
+    robot: Robot,
+    T_object_tcp: Mapping[tuple[str, Hand], RigidTransform],
+    settings: PlanSettings,
+    times: Array | None = None,
+) -> Problem:
+    """The problem of bringing a task's objects through its keypoints.
+
+    Args:
+        task: model bound to a scene.
+        robot: a robot standing in the agent frame.
+        T_object_tcp: (role, hand) -> grasp.
+        settings: weights of the terms.
+        times: (K,) keypoints on the model's time axis, s; default the model's own.
+
+    Returns:
+        The problem; its workspace's carryings are in the order of ``task.moved``.
+    """
+    times = task.model.keypoint_times if times is None else times
+    carryings = [
+        Carrying(moved.role, moved.hands[0], T_object_tcp[moved.role, moved.hands[0]].inv()) for moved in task.moved
+    ]
+    references = sorted(
+        {reference for c in task.model.changes for reference in (c.pair.first, c.pair.second) if reference is not None}
+    )
+    roles = [carrying.role for carrying in carryings]
+    points = [
+        RegionPoint(roles.index(reference.role), task.region_center(reference))
+        if reference.role in roles
+        else RegionPoint(-1, task.region_at_start(reference))
+        for reference in references
+    ]
+    workspace = Workspace(robot, carryings, points)
+    terms: list[Term] = [*_similarities(task, references, times), _damping(task, times, settings)]
+    if task.model.mode == "default":
+        terms.append(_resting(task, times))
+        terms.append(Smoothness(settings.smoothness))
+    for index, moved in enumerate(task.moved):
+        for hand in moved.hands[1:]:
+            grasp = T_object_tcp[moved.role, hand]
+            arm = workspace.arms.index(hand)
+            terms.append(Closure(index, arm, grasp.translation, grasp.rotation.as_matrix()))
+    return Problem(workspace, tuple(terms), len(times))
+
+
+def _similarities(task: Task, references: Sequence[RegionReference], times: Array) -> list[Similarity]:
+    """One similarity term per constraint type that occurs in the model."""
+    index = {reference: i for i, reference in enumerate(references)}
+    terms = []
+    for name in sorted({change.constraint for change in task.model.changes}):
+        changes = [change for change in task.model.changes if change.constraint == name]
+        constraint = constraint_type(name).in_mode(task.model.mode)
+        values = [change.at(times) for change in changes]
+        target = np.stack([mean for mean, _ in values], axis=1)
+        std = np.stack([std for _, std in values], axis=1)
+        terms.append(
+            Similarity(
+                constraint=constraint,
+                pairs=tuple(str(change.pair) for change in changes),
+                first=np.array([index[change.pair.first] for change in changes]),
+                second=np.array([-1 if c.pair.second is None else index[c.pair.second] for c in changes]),
+                origin=np.array([task.region_at_start(change.pair.first) for change in changes]),
+                target=target,
+                weight=constraint.weights(std, target),
+            )
+        )
+    return terms
+
+
+def _damping(task: Task, times: Array, settings: PlanSettings) -> Damping:
+    """t_d: constant in mode ``default``; in mode ``paper`` proportional to the time step and the mean std."""
+    roles = tuple(moved.role for moved in task.moved)
+    start = np.array([moved.start.translation for moved in task.moved]).reshape(-1, 3)
+    if task.model.mode == "default":
+        return Damping(roles, np.full((len(times), len(roles)), settings.damping), start)
+    step = np.diff(times, prepend=times[0])
+    weight = np.zeros((len(times), len(roles)))
+    for i, role in enumerate(roles):
+        stds = []
+        for change in task.model.changes:
+            if role in change.pair.roles:
+                scale = np.array([1000.0 if channel.unit == "m" else 1.0 for channel in change.channels])
+                stds.append((change.at(times)[1] * scale).mean(axis=1))
+        weight[:, i] = 1000.0 * PAPER_DAMPING[task.model.constraint] * step * np.mean(stds, axis=0)
+    return Damping(roles, weight, start)
+
+
+def _resting(task: Task, times: Array) -> Resting:
+    """Objects stand still before their lift and after they are put down."""
+    tolerance = 1e-9
+    before = np.array([times <= moved.lift + tolerance for moved in task.moved]).T
+    after = np.array([times >= moved.place - tolerance for moved in task.moved]).T
+    start_position = np.array([moved.start.translation for moved in task.moved])
+    end_position = np.array([moved.put_down.translation for moved in task.moved])
+    start_rotation = np.array([moved.start.rotation.as_matrix() for moved in task.moved])
+    end_rotation = np.array([moved.put_down.rotation.as_matrix() for moved in task.moved])
+    return Resting(
+        objects=tuple(moved.role for moved in task.moved),
+        resting=before | after,
+        position=np.where(before[..., None], start_position, end_position),
+        rotation=np.where(before[..., None, None], start_rotation, end_rotation),
+    )

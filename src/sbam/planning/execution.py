@@ -1,0 +1,179 @@
+"""What a timed trajectory does to the objects, and whether it does what was planned."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from sbam.demonstrations.demonstration import Hand
+from sbam.planning.checks import Check
+from sbam.planning.grasps import Grasp
+from sbam.planning.motion import Motion, Phase
+from sbam.planning.task import Task
+from sbam.planning.trajectory import JointTrajectory
+from sbam.robots import Robot
+
+Array = NDArray[np.float64]
+
+CLOSURE_POSITION = 1e-3  # m: how far the second hand of a two-handed grasp may slip
+CLOSURE_ROTATION = np.deg2rad(0.5)  # rad
+JUMP = 1e-3  # m: how far an object may jump when it is taken over by a hand or left standing
+TORQUE_SAMPLES = 200.0  # Hz
+GRAVITY = 9.81  # m/s^2
+
+
+@dataclass(frozen=True)
+class Execution:
+    """The objects' motion that a trajectory causes.
+
+    Attributes:
+        clock: (N,) time on the model's axis at every sample, s.
+        T_agent_object: role -> N poses, agent frame; still before the lift, carried, still after the place.
+        checks: how well the objects move as planned.
+    """
+
+    clock: Array
+    T_agent_object: Mapping[str, RigidTransform]
+    checks: tuple[Check, ...]
+
+
+def execute(
+    task: Task,
+    robot: Robot,
+    grasps: Mapping[tuple[str, Hand], Grasp],
+    motion: Motion,
+    trajectory: JointTrajectory,
+    clock: Array,
+) -> Execution:
+    """Carry the objects along the trajectory by forward kinematics at every sample.
+
+    Args:
+        task: model bound to a scene.
+        robot: robot standing in the agent frame.
+        grasps: (role, hand) -> grasp.
+        motion: the dense motion that was timed.
+        trajectory: the timed trajectory.
+        clock: (N,) model time of its samples, s.
+    """
+    arms = list(robot.arms)
+    kinematics = robot.kinematics(trajectory.position, [robot.arms[arm].tcp_frame for arm in arms])
+    tcp = {
+        arm: RigidTransform.from_components(kinematics.position[:, i], Rotation.from_matrix(kinematics.rotation[:, i]))
+        for i, arm in enumerate(arms)
+    }
+    checks: list[Check] = []
+    poses: dict[str, RigidTransform] = {}
+    for moved in task.moved:
+        phases = {
+            phase.name: phase for phase in motion.phases if phase.role == moved.role and phase.hand == moved.hands[0]
+        }
+        lift, place = phases["manipulate"].start, phases["manipulate"].end
+        carried = tcp[moved.hands[0]] * grasps[moved.role, moved.hands[0]].T_object_tcp.inv()
+        before, after = clock <= lift, clock >= place
+        rotation = carried.rotation.as_quat()
+        position = carried.translation.copy()
+        position[before], rotation[before] = moved.start.translation, moved.start.rotation.as_quat()
+        position[after], rotation[after] = moved.put_down.translation, moved.put_down.rotation.as_quat()
+        poses[moved.role] = RigidTransform.from_components(position, Rotation.from_quat(rotation))
+        for hand in moved.hands:
+            checks += _check_hold(
+                task, grasps[moved.role, hand], tcp[hand], poses[moved.role], motion, trajectory, clock
+            )
+        wanted = next(path for path in motion.objects if path.role == moved.role)
+        expected = np.stack([np.interp(clock, wanted.time, column) for column in wanted.pose.translation.T], axis=-1)
+        off = np.linalg.norm(position - expected, axis=1)
+        checks.append(_largest(f"{moved.name} follows its path", off, 2e-3, "m", trajectory.time))
+    checks.append(_check_torques(task, robot, poses, grasps, trajectory))
+    return Execution(clock, poses, tuple(checks))
+
+
+def _largest(name: str, values: Array, limit: float, unit: str, time: Array) -> Check:
+    worst = int(np.argmax(values))
+    return Check(name, bool(values[worst] <= limit), float(values[worst]), limit, unit, f"at {time[worst]:.3f} s")
+
+
+def _phase(motion: Motion, grasp: Grasp, name: str) -> Phase:
+    return next(p for p in motion.phases if p.role == grasp.role and p.hand == grasp.hand and p.name == name)
+
+
+def _check_hold(
+    task: Task,
+    grasp: Grasp,
+    tcp: RigidTransform,
+    pose: RigidTransform,
+    motion: Motion,
+    trajectory: JointTrajectory,
+    clock: Array,
+) -> Sequence[Check]:
+    """A hand keeps its grasp from closing to opening: in the object's frame the TCP stands still."""
+    held = (clock >= _phase(motion, grasp, "grasp").start) & (clock <= _phase(motion, grasp, "place").end)
+    slip = grasp.T_object_tcp.inv() * pose[held].inv() * tcp[held]
+    name = next(moved.name for moved in task.moved if moved.role == grasp.role)
+    time = trajectory.time[held]
+    return [
+        _largest(
+            f"{grasp.hand} hand keeps its place on {name}",
+            np.linalg.norm(slip.translation, axis=1),
+            min(CLOSURE_POSITION, JUMP),
+            "m",
+            time,
+        ),
+        _largest(
+            f"{grasp.hand} hand keeps its angle on {name}", slip.rotation.magnitude(), CLOSURE_ROTATION, "rad", time
+        ),
+    ]
+
+
+def _check_torques(
+    task: Task,
+    robot: Robot,
+    poses: Mapping[str, RigidTransform],
+    grasps: Mapping[tuple[str, Hand], Grasp],
+    trajectory: JointTrajectory,
+) -> Check:
+    """Inverse dynamics of the arms with the weight of what they hold, against the torque limits.
+
+    An object's weight acts at its TCP; two hands share it. The object's inertia is left out: it is small beside gravity
+    at the accelerations of manipulation.
+    """
+    import mujoco
+
+    model = copy.copy(robot.model)
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    data = mujoco.MjData(model)
+    stride = max(1, int(round(1.0 / (TORQUE_SAMPLES * float(trajectory.time[1] - trajectory.time[0])))))
+    samples = np.arange(0, len(trajectory.time), stride)
+    ratio = np.zeros((len(samples), len(robot.joint_names)))
+    loads = []
+    for (role, hand), _ in grasps.items():
+        moved = next(moved for moved in task.moved if moved.role == role)
+        aloft = np.linalg.norm(poses[role].translation - moved.start.translation, axis=1) > 1e-3
+        loads.append((robot.arms[hand].tcp_frame, moved.model.mass * GRAVITY / len(moved.hands), aloft))
+    jacobian = np.zeros((3, model.nv))
+    for row, sample in enumerate(samples):
+        data.qpos[:], data.qvel[:] = trajectory.position[sample], trajectory.velocity[sample]
+        data.qacc[:] = trajectory.acceleration[sample]
+        mujoco.mj_inverse(model, data)
+        torque = data.qfrc_inverse.copy()
+        for frame, weight, aloft in loads:
+            if aloft[sample]:
+                mujoco.mj_jacSite(model, data, jacobian, None, model.site(frame).id)
+                torque += weight * jacobian[2]
+        ratio[row] = np.abs(torque) / robot.torque_limit
+    row, joint = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+    worst = float(ratio[row, joint])
+    where = f"{robot.joint_names[joint]} at {trajectory.time[samples[row]]:.3f} s"
+    return Check("torque limits", worst <= 1.0, worst, 1.0, "of the limit", where)
+
+
+def phase_times(motion: Motion, trajectory: JointTrajectory, clock: Array) -> tuple[Phase, ...]:
+    """The motion's phases with their times on the trajectory's axis, s."""
+    return tuple(
+        Phase(p.hand, p.name, *(float(np.interp(t, clock, trajectory.time)) for t in (p.start, p.end)), p.role)
+        for p in motion.phases
+    )

@@ -1,0 +1,166 @@
+"""Grasps: where a robot's hand can hold an object.
+
+Azimuths and heights of people transfer to robots, the pitch of the hand does not (a person's forearm comes from below
+the hand, a robot's would be in the table), so candidates are made around the object's grasp regions and people's grasps
+only rank them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from sbam.demonstrations.demonstration import Hand
+from sbam.errors import UnreachableError
+from sbam.planning.task import MovedObject
+from sbam.robots import Robot
+from sbam.scene import GraspRegion
+
+Array = NDArray[np.float64]
+
+AZIMUTHS = np.deg2rad(np.arange(-180.0, 180.0, 30.0))  # 0: approach forward, + turns to the left
+TILTS_AROUND = np.deg2rad([15.0, 30.0, 45.0, 60.0])  # fingers point down by this
+TILTS_ACROSS = np.deg2rad([0.0, 20.0, 40.0, 60.0])  # approach from above, leaning forward by this
+HEIGHTS = (0.5, 0.0, -0.5)  # along the region's axis, shares of its half length
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """A rigid hold of an object by one hand.
+
+    Attributes:
+        role: role of the object.
+        hand: the arm that holds it.
+        region: name of the object's grasp region.
+        T_object_tcp: pose of the tool centre point (TCP) in the object's frame.
+        azimuth: direction of approach about the vertical at the start, 0 forward, positive to the left, rad.
+        tilt: how far the approach points down (vessels) or leans forward from vertical (bars), rad.
+        flipped: whether the hand is turned by half a turn about its approach.
+        width: opening of the fingers when they hold, m.
+        human_distance: angle to the nearest demonstrated azimuth, rad; 0 where none was observed.
+    """
+
+    role: str
+    hand: Hand
+    region: str
+    T_object_tcp: RigidTransform
+    azimuth: float
+    tilt: float
+    flipped: bool
+    width: float
+    human_distance: float
+
+
+def candidate_grasps(robot: Robot, moved: MovedObject, hand: Hand) -> tuple[Grasp, ...]:
+    """All grasps of an object that fit between one hand's fingers, in no order.
+
+    Args:
+        robot: the robot.
+        moved: the object, standing at its start.
+        hand: the hand.
+
+    Raises:
+        UnreachableError: if the object has no grasp region that fits the hand.
+    """
+    opening = robot.arms[hand].hand.max_width
+    regions = _regions_for(moved, hand)
+    fitting = [region for region in regions if region.width <= opening]
+    if not fitting:
+        sizes = ", ".join(f"{region.name!r} ({1e3 * region.width:.0f} mm)" for region in regions) or "none"
+        raise UnreachableError(
+            f"object {moved.name!r} has no grasp region that fits {robot.name}'s {hand} hand "
+            f"(opens {1e3 * opening:.0f} mm): {sizes}"
+        )
+    return tuple(grasp for region in fitting for grasp in _around_or_across(robot, moved, hand, region))
+
+
+def _regions_for(moved: MovedObject, hand: Hand) -> list[GraspRegion]:
+    """The object's grasp regions; of regions named after hands only the one for this hand."""
+    named = [region for region in moved.model.grasp_regions if hand in region.name.split()]
+    return named or [r for r in moved.model.grasp_regions if not {"left", "right"} & set(r.name.split())]
+
+
+def _around_or_across(robot: Robot, moved: MovedObject, hand: Hand, region: GraspRegion) -> list[Grasp]:
+    axis = moved.start.rotation.apply(region.axis)
+    human = _human_azimuths(moved, hand, region)
+    grasps = []
+    for height in HEIGHTS if region.kind == "around" else (0.0,):
+        center = moved.start.apply(region.center + height * region.half_length * region.axis)
+        for azimuth, tilt, approach, opening in _directions(moved, region, axis):
+            distance = min((abs(_wrap(azimuth - other)) for other in human), default=0.0)
+            for flipped in (False, True):
+                rotation = _tcp_rotation(robot, hand, approach, -opening if flipped else opening)
+                T_agent_tcp = RigidTransform.from_components(center, rotation)
+                grasps.append(
+                    Grasp(
+                        role=moved.role,
+                        hand=hand,
+                        region=region.name,
+                        T_object_tcp=moved.start.inv() * T_agent_tcp,
+                        azimuth=azimuth,
+                        tilt=tilt,
+                        flipped=flipped,
+                        width=region.width,
+                        human_distance=distance,
+                    )
+                )
+    return grasps
+
+
+def _directions(moved: MovedObject, region: GraspRegion, axis: Array) -> list[tuple[float, float, Array, Array]]:
+    """(azimuth, tilt, approach, opening direction) of all candidates at a region, agent frame."""
+    directions = []
+    if region.kind == "around":
+        for azimuth in _azimuths(moved, region, axis):
+            outward = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+            outward -= axis * (outward @ axis)
+            outward /= np.linalg.norm(outward)
+            for tilt in TILTS_AROUND:
+                directions.append(
+                    (azimuth, tilt, np.cos(tilt) * outward - np.sin(tilt) * axis, np.cross(axis, outward))
+                )
+        return directions
+    forward = np.cross(np.array([0.0, 0.0, 1.0]), axis)
+    forward *= np.sign(forward[1]) / np.linalg.norm(forward)
+    azimuth = float(np.arctan2(-forward[0], forward[1]))
+    for tilt in TILTS_ACROSS:
+        approach = np.array([0.0, 0.0, -np.cos(tilt)]) + np.sin(tilt) * forward
+        approach -= axis * (approach @ axis)
+        approach /= np.linalg.norm(approach)
+        directions.append((azimuth, tilt, approach, np.cross(approach, axis)))
+    return directions
+
+
+def _azimuths(moved: MovedObject, region: GraspRegion, axis: Array) -> Array:
+    """Azimuths of approach: any for round objects, towards the faces for the others."""
+    if region.faces == 0:
+        return AZIMUTHS
+    side = np.cross(region.axis, np.eye(3)[np.argmin(np.abs(region.axis))])
+    normal = moved.start.rotation.apply(side / np.linalg.norm(side))
+    first = np.arctan2(-normal[0], normal[1])
+    return _wrap(first + 2 * np.pi * np.arange(region.faces) / region.faces)
+
+
+def _tcp_rotation(robot: Robot, hand: Hand, approach: Array, opening: Array) -> Rotation:
+    """Orientation of a TCP whose approach and opening directions point as wanted."""
+    description = robot.arms[hand].hand
+    own_approach, own_opening = np.array(description.approach), np.array(description.opening)
+    own = np.column_stack([np.cross(own_opening, own_approach), own_opening, own_approach])
+    wanted = np.column_stack([np.cross(opening, approach), opening, approach])
+    return Rotation.from_matrix(wanted @ own.T)
+
+
+def _human_azimuths(moved: MovedObject, hand: Hand, region: GraspRegion) -> Array:
+    """Azimuths from which people held the object: from their hand towards the region's axis."""
+    positions = moved.human_grasps.get(hand, np.zeros((0, 3)))
+    if region.kind != "around" or len(positions) == 0:
+        return np.zeros(0)
+    towards = moved.start.rotation.apply(region.center - positions)
+    return np.arctan2(-towards[:, 0], towards[:, 1])
+
+
+def _wrap(angle: Array) -> Array:
+    return (angle + np.pi) % (2 * np.pi) - np.pi

@@ -1,0 +1,135 @@
+"""Inverse kinematics of many configurations at once: bounded Gauss-Newton with Levenberg damping."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.planning.rotation_error import left_jacobian_inverse, rotation_error
+from sbam.planning.state import State, Workspace
+from sbam.robots import Robot
+
+Array = NDArray[np.float64]
+
+ROTATION_LENGTH = 0.25  # m: a radian of orientation error counts as much as this length
+
+
+@dataclass(frozen=True)
+class PoseSolution:
+    """Configurations that bring the tool centre points (TCPs) to their targets.
+
+    Attributes:
+        configurations: (B, n) rad or m, within the limits.
+        position_error: (B,) largest distance of an arm's TCP from its target, m.
+        rotation_error: (B,) largest angle of an arm's TCP to its target, rad.
+    """
+
+    configurations: Array
+    position_error: Array
+    rotation_error: Array
+
+    def reached(
+        self, position_tolerance: float = 1e-3, rotation_tolerance: float = np.deg2rad(0.5)
+    ) -> NDArray[np.bool_]:
+        """(B,) which targets are reached, with the tolerances in m and rad."""
+        return (self.position_error < position_tolerance) & (self.rotation_error < rotation_tolerance)
+
+
+def solve_poses(
+    robot: Robot,
+    arms: Sequence[str],
+    position: Array,
+    rotation: Array,
+    start: Array,
+    reference: Array | None = None,
+    pull: Sequence[float] = (3e-2, 1e-4),
+    iterations: int = 30,
+) -> PoseSolution:
+    """Bring arms to poses, as near as possible to reference configurations where the arms are redundant.
+
+    Minimises |p - p*|^2 + (0.25 m angle)^2 + (pull m)^2 |q - q_ref|^2 within the joint limits. The last pull is so weak
+    that it only settles the redundancy: it moves the TCP by less than a micrometre.
+
+    Args:
+        robot: the robot, in the frame of the targets.
+        arms: A names of arms.
+        position: (B, A, 3) target positions of their TCPs, m.
+        rotation: (B, A, 3, 3) target orientations.
+        start: (B, n) or (n,) configurations to start from.
+        reference: (B, n) or (n,) configurations to stay near, default the start.
+        pull: weights of the reference, one stage each, m.
+        iterations: most steps in each stage.
+
+    Returns:
+        The nearest configurations found and how near they come.
+    """
+    workspace = Workspace(robot, (), ())
+    columns = np.array([workspace.arms.index(arm) for arm in arms])
+    joints = np.flatnonzero(workspace.arm_joints[columns].any(axis=0))
+    batch = len(position)
+    q = np.clip(np.broadcast_to(start, (batch, len(robot.joint_names))), robot.lower, robot.upper).astype(float)
+    q_reference = q.copy() if reference is None else np.broadcast_to(reference, q.shape)
+    lower, upper = robot.lower[joints], robot.upper[joints]
+    for weight in pull:
+        active = np.arange(batch)
+        damping = np.full(batch, 1e-3)
+        state, error = _errors(workspace, columns, q, position, rotation)
+        cost = _cost(error, q, q_reference, joints, weight)
+        for _ in range(iterations):
+            jacobian = _jacobian(state, columns, error)[..., joints]
+            residual = error.reshape(len(active), -1)
+            offset = weight**2 * (q[active][:, joints] - q_reference[active][:, joints])
+            gradient = np.vecmat(residual, jacobian) + offset
+            current = q[active][:, joints]
+            free = ~(((current <= lower) & (gradient > 0)) | ((current >= upper) & (gradient < 0)))
+            jacobian = jacobian * free[:, None, :]
+            normal = np.swapaxes(jacobian, 1, 2) @ jacobian
+            index = np.arange(len(joints))
+            normal[:, index, index] += weight**2 + damping[active][:, None] * 0.1 + 1e-12
+            step = -np.linalg.solve(normal, (gradient * free)[..., None])[..., 0]
+            step *= np.minimum(1.0, 0.5 / np.maximum(np.abs(step).max(axis=1, keepdims=True), 0.5))
+            trial = q[active]
+            trial[:, joints] = np.clip(current + step, lower, upper)
+            trial_state, trial_error = _errors(workspace, columns, trial, position[active], rotation[active])
+            trial_cost = _cost(trial_error, trial, q_reference[active], joints, weight)
+            better = trial_cost < cost[active]
+            gain = cost[active] - trial_cost
+            q[active[better]] = trial[better]
+            cost[active[better]] = trial_cost[better]
+            damping[active] = np.where(better, np.maximum(damping[active] * 0.1, 1e-12), damping[active] * 8.0)
+            moving = ~(better & (gain < 1e-6 * cost[active] + 1e-16)) & (damping[active] < 1e3)
+            moving &= (cost[active] > 1e-15) | (np.abs(step).max(axis=1) > 1e-7)
+            active = active[moving]
+            if len(active) == 0:
+                break
+            state, error = _errors(workspace, columns, q[active], position[active], rotation[active])
+    _, error = _errors(workspace, columns, q, position, rotation)
+    return PoseSolution(
+        configurations=q,
+        position_error=np.linalg.norm(error[..., :3], axis=-1).max(axis=1),
+        rotation_error=np.linalg.norm(error[..., 3:], axis=-1).max(axis=1) / ROTATION_LENGTH,
+    )
+
+
+def _errors(
+    workspace: Workspace, columns: NDArray[np.int_], q: Array, position: Array, rotation: Array
+) -> tuple[State, Array]:
+    state = workspace.state(q)
+    linear = state.kinematics.position[:, columns] - position
+    angular = rotation_error(state.kinematics.rotation[:, columns], rotation)
+    return state, np.concatenate([linear, ROTATION_LENGTH * angular], axis=-1)
+
+
+def _jacobian(state: State, columns: NDArray[np.int_], error: Array) -> Array:
+    linear = state.point_jacobian(state.kinematics.position[:, columns], columns)
+    angular = left_jacobian_inverse(error[..., 3:] / ROTATION_LENGTH) @ state.angular_jacobian(columns)
+    jacobian = np.concatenate([linear, ROTATION_LENGTH * angular], axis=-2)
+    return jacobian.reshape(len(error), -1, jacobian.shape[-1])
+
+
+def _cost(error: Array, q: Array, reference: Array, joints: NDArray[np.int_], weight: float) -> Array:
+    away = np.square(q[:, joints] - reference[:, joints]).sum(axis=-1)
+    return np.square(error).sum(axis=(1, 2)) + weight**2 * away

@@ -1,0 +1,258 @@
+"""Plan a learned action for a robot in a scene: the main job, from model to verified trajectory."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform
+
+from sbam.demonstrations.demonstration import Hand
+from sbam.errors import TrajectoryError, UnreachableError
+from sbam.learning.model import ActionModel
+from sbam.planning.build import build_problem
+from sbam.planning.checks import Check, check_receivers, failed
+from sbam.planning.execution import execute, phase_times
+from sbam.planning.free_flight import solve_free_flight
+from sbam.planning.grasp_selection import FollowedGrasp, choose_grasps
+from sbam.planning.grasps import Grasp
+from sbam.planning.motion import Phase, make_motion
+from sbam.planning.problem import Problem
+from sbam.planning.settings import PlanSettings
+from sbam.planning.solvers.result import Solution
+from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
+from sbam.planning.task import Task, bind
+from sbam.planning.timing import time_path
+from sbam.planning.trajectory import JointTrajectory
+from sbam.robots import Robot, load_robot
+from sbam.scene import Scene
+
+Array = NDArray[np.float64]
+
+CHECKPOINTS = 9  # keypoints at which grasps are tried
+ATTEMPTS = 4  # combinations of grasps that are carried through to a trajectory before giving up
+DEFAULT_ROBOT = "panda_dual"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A planned action.
+
+    Attributes:
+        task: the model bound to the scene.
+        robot: the robot, standing in the agent frame.
+        settings: how it was planned.
+        grasps: (role, hand) -> grasp.
+        solution: the optimised keypoints.
+        free_flight: the same keypoints if no robot had to hold the objects: what the action wants.
+        trajectory: the timed joint trajectory.
+        clock: (N,) time on the model's axis of every sample, s.
+        phases: what each hand does when, on the trajectory's time axis.
+        T_agent_object: role -> N poses of every moved object at the trajectory's samples, agent frame.
+        checks: what was verified and how it came out.
+        problems: a sentence for each thing that is wrong; empty for a plan that may be executed.
+        seconds: stage -> wall time.
+    """
+
+    task: Task
+    robot: Robot
+    settings: PlanSettings
+    grasps: Mapping[tuple[str, Hand], Grasp]
+    solution: Solution
+    free_flight: Solution
+    trajectory: JointTrajectory
+    clock: Array
+    phases: tuple[Phase, ...]
+    T_agent_object: Mapping[str, RigidTransform]
+    checks: tuple[Check, ...]
+    problems: tuple[str, ...]
+    seconds: Mapping[str, float]
+
+    @property
+    def ok(self) -> bool:
+        """Whether the trajectory passed every check."""
+        return not self.problems
+
+    @property
+    def T_world_agent(self) -> RigidTransform:
+        """The agent frame in the scene's world."""
+        return self.task.scene.T_world_agent
+
+    def object_poses(self) -> dict[str, RigidTransform]:
+        """Scene's name of every moved object -> N poses at the trajectory's samples, world frame."""
+        return {moved.name: self.T_world_agent * self.T_agent_object[moved.role] for moved in self.task.moved}
+
+
+def plan(
+    model: ActionModel,
+    scene: Scene,
+    robot: Robot | str | None = None,
+    settings: PlanSettings | None = None,
+    roles: Mapping[str, str] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Plan:
+    """Plan a learned action for a two-armed robot in a scene.
+
+    Args:
+        model: the Spatial Bimanual Action Model.
+        scene: the starting scene, other than in any demonstration; objects bind to roles by their affordances.
+        robot: a robot, or the name or description file of one; default the scene's, else the bimanual Panda.
+        settings: how to plan.
+        roles: role -> object name, where the choice shall not be left to the affordances.
+        progress: called with the name of each stage as it begins.
+
+    Returns:
+        The plan. Its ``problems`` say what is wrong with it, if anything.
+
+    Raises:
+        BindingError: if the scene lacks an object with the affordances a role needs.
+        UnreachableError: if the robot cannot do the action; names what stops it.
+    """
+    settings = settings or PlanSettings()
+    clock = _Stopwatch(progress)
+    clock.enter("bind")
+    task = bind(model, scene, roles)
+    if not isinstance(robot, Robot):
+        robot = load_robot(robot or scene.robot or DEFAULT_ROBOT)
+    robot = robot.placed_for(RigidTransform.identity())
+    clock.enter("free flight")
+    free, poses = solve_free_flight(task, settings)
+    clock.enter("grasps")
+    count = len(model.keypoint_times)
+    checkpoints = np.unique(np.linspace(0, count - 1, CHECKPOINTS).round().astype(int))
+    at_checkpoints = {role: pose[checkpoints] for role, pose in poses.items()}
+    best: Plan | None = None
+    trouble: UnreachableError | TrajectoryError | None = None
+    combinations = choose_grasps(task, robot, at_checkpoints, None, settings.seed)
+    for attempt, chosen in enumerate(combinations):
+        if attempt == ATTEMPTS:
+            break
+        try:
+            candidate = _plan_with(task, robot, settings, chosen, checkpoints, free, clock)
+        except (UnreachableError, TrajectoryError) as error:
+            trouble = trouble or error
+            continue
+        if best is None or len(candidate.problems) < len(best.problems):
+            best = candidate
+        if best.ok:
+            break
+        clock.enter("grasps")
+    if best is None:
+        raise trouble or UnreachableError(f"{robot.name} finds no grasps for the whole action")
+    return best
+
+
+def _plan_with(
+    task: Task,
+    robot: Robot,
+    settings: PlanSettings,
+    chosen: Mapping[tuple[str, Hand], FollowedGrasp],
+    checkpoints: NDArray[np.int_],
+    free: Solution,
+    clock: _Stopwatch,
+) -> Plan:
+    """Carry one combination of grasps through to a verified trajectory."""
+    times = task.model.keypoint_times
+    grasps = {key: followed.grasp for key, followed in chosen.items()}
+    clock.enter("keypoints")
+    problem = build_problem(task, robot, {key: grasp.T_object_tcp for key, grasp in grasps.items()}, settings)
+    start = np.tile(robot.clip(robot.home), (problem.count, 1))
+    for (_, hand), followed in chosen.items():
+        for joint in np.flatnonzero(robot.frame_joints(robot.arms[hand].tcp_frame)):
+            start[:, joint] = np.interp(np.arange(problem.count), checkpoints, followed.configurations[:, joint])
+    if settings.solver == "paper":
+        from sbam.planning.solvers.nelder_mead import solve_nelder_mead
+
+        solution = solve_nelder_mead(problem, start[0])
+    else:
+        solution = solve_whole_trajectory(problem, [start])
+    state = problem.state(solution.configurations)
+    clock.enter("motion")
+    motion = make_motion(
+        task,
+        robot,
+        grasps,
+        times,
+        solution.configurations,
+        state.object_poses(),
+        interpolate_joints=settings.solver == "paper",
+    )
+    clock.enter("timing")
+    trajectory, model_time = time_path(robot, motion.clock, motion.configurations, settings.speed, settings.sample_rate)
+    clock.enter("checks")
+    execution = execute(task, robot, grasps, motion, trajectory, model_time)
+    checks = (*check_receivers(robot, trajectory, robot.clip(robot.home), settings.speed), *execution.checks)
+    problems = [*unreached(problem, solution, free, times), *failed(checks)]
+    return Plan(
+        task=task,
+        robot=robot,
+        settings=settings,
+        grasps=grasps,
+        solution=solution,
+        free_flight=free,
+        trajectory=trajectory,
+        clock=model_time,
+        phases=phase_times(motion, trajectory, model_time),
+        T_agent_object=execution.T_agent_object,
+        checks=checks,
+        problems=tuple(problems),
+        seconds=clock.stop(),
+    )
+
+
+UNREACHED = (
+    3.0  # a pair's residual that exceeds the free flight's by this many learned standard deviations is a problem
+)
+
+
+def unreached(problem: Problem, solution: Solution, free: Solution, times: Array) -> list[str]:
+    """Keypoints that the robot cannot reach, with the term and the joints that stop it.
+
+    A keypoint counts as unreached if a requirement is off by more than its tolerance, or a pair by `UNREACHED` more than
+    it would be without a robot.
+    """
+    sentences = []
+    requirements = {term.name for term in problem.terms if term.is_requirement}
+    for name, groups in solution.terms.items():
+        for group, cost in groups.items():
+            if name in requirements:
+                excess = np.sqrt(2.0 * cost)  # in scales of the requirement: 0.2 mm, 2 mrad
+                limit, unit = 5.0, "times its scale of 0.2 mm and 2 mrad"
+            elif name == "similarity" and group in free.terms.get(name, {}):
+                excess, limit, unit = cost - free.terms[name][group], UNREACHED, "learned standard deviations"
+            else:
+                continue
+            worst = int(np.argmax(excess))
+            if excess[worst] > limit:
+                joints = ", ".join(solution.active_limits[worst]) or "none at its limit: the arm is too short"
+                sentences.append(
+                    f"keypoint {worst} at {times[worst]:.2f} s is out of reach: {name} of {group} is off by "
+                    f"{excess[worst]:.1f} {unit}; joints: {joints}"
+                )
+    return sentences
+
+
+class _Stopwatch:
+    """Wall time per stage."""
+
+    def __init__(self, progress: Callable[[str], None] | None) -> None:
+        self._progress = progress
+        self._seconds: dict[str, float] = {}
+        self._stage, self._since = "", time.perf_counter()
+
+    def enter(self, stage: str) -> None:
+        """End the current stage and begin another."""
+        now = time.perf_counter()
+        if self._stage:
+            self._seconds[self._stage] = self._seconds.get(self._stage, 0.0) + now - self._since
+        self._stage, self._since = stage, now
+        if self._progress and stage:
+            self._progress(stage)
+
+    def stop(self) -> dict[str, float]:
+        """Seconds per stage so far."""
+        self.enter("")
+        return dict(self._seconds)

@@ -1,0 +1,168 @@
+"""A model bound to a scene: which object plays which role, where it starts and where it shall end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from sbam.constraints import RegionReference
+from sbam.demonstrations.demonstration import Hand
+from sbam.learning.model import ActionModel
+from sbam.learning.roles import bind_roles
+from sbam.scene import ObjectModel, Scene
+
+Array = NDArray[np.float64]
+
+SUPPORT_TOLERANCE = 0.015  # m: a lowest region this near to a support stands on it
+LYING = np.deg2rad(45.0)  # an object whose regions are connected by a vector flatter than this lies
+
+
+@dataclass(frozen=True)
+class MovedObject:
+    """An object that the task moves. Poses are in the agent frame; times on the model's time axis, s.
+
+    Attributes:
+        role: role of the action model.
+        name: name in the scene.
+        model: what is known of it.
+        hands: the hands that hold it; the first carries it, a second one closes the loop.
+        start: pose at the start.
+        put_down: pose at the end.
+        lift: when it starts to move.
+        place: when it stands still again.
+        grasp: when it is grasped.
+        release: when it is let go.
+        human_grasps: hand -> (D, 3) where people held the demonstrated objects, in the objects' frames, m.
+    """
+
+    role: str
+    name: str
+    model: ObjectModel
+    hands: tuple[Hand, ...]
+    start: RigidTransform
+    put_down: RigidTransform
+    lift: float
+    place: float
+    grasp: float
+    release: float
+    human_grasps: Mapping[Hand, Array]
+
+
+@dataclass(frozen=True)
+class Task:
+    """An action model bound to a scene.
+
+    Attributes:
+        model: the action model.
+        scene: the scene.
+        binding: role -> name of the object in the scene.
+        T_agent_object: object name -> pose at the start, agent frame.
+        moved: the objects that are moved.
+    """
+
+    model: ActionModel
+    scene: Scene
+    binding: Mapping[str, str]
+    T_agent_object: Mapping[str, RigidTransform]
+    moved: tuple[MovedObject, ...]
+
+    def region_center(self, reference: RegionReference) -> Array:
+        """Centre of a region in its object's frame, (3,) m."""
+        return self.scene.objects[self.binding[reference.role]].region(reference.affordance).center
+
+    def region_at_start(self, reference: RegionReference) -> Array:
+        """Centre of a region at the start, agent frame, (3,) m."""
+        return self.T_agent_object[self.binding[reference.role]].apply(self.region_center(reference))
+
+
+def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = None) -> Task:
+    """Bind a model's roles to a scene's objects and find out what shall be moved from where to where.
+
+    Args:
+        model: the action model.
+        scene: the scene.
+        roles: role -> object name, where the choice shall not be left to the affordances.
+
+    Raises:
+        BindingError: if a role finds no object, or more than one that fit equally well.
+    """
+    binding = bind_roles(model.roles, scene.objects, chosen=roles)
+    T_agent_world = scene.T_world_agent.inv()
+    poses = {name: T_agent_world * pose for name, pose in scene.T_world_object.items()}
+    task = Task(model, scene, binding, poses, ())
+    moved = []
+    for role in model.roles:
+        holds = sorted((hold for hold in model.holds if hold.role == role.name), key=lambda hold: hold.hand)
+        if not role.moves or not holds:
+            continue
+        grasp, release = min(hold.grasp for hold in holds), max(hold.release for hold in holds)
+        lifts = [anchor.time for anchor in model.anchors if anchor.kind == "lift" and anchor.role == role.name]
+        places = [anchor.time for anchor in model.anchors if anchor.kind == "place" and anchor.role == role.name]
+        lift, place = min(lifts, default=grasp), max(places, default=release)
+        name = binding[role.name]
+        moved.append(
+            MovedObject(
+                role=role.name,
+                name=name,
+                model=scene.objects[name],
+                hands=tuple(hold.hand for hold in holds),
+                start=poses[name],
+                put_down=_put_down(task, role.name, place),
+                lift=lift,
+                place=place,
+                grasp=min(grasp, lift),
+                release=max(release, place),
+                human_grasps={hold.hand: hold.hand_position for hold in holds},
+            )
+        )
+    return Task(model, scene, binding, poses, tuple(moved))
+
+
+def _put_down(task: Task, role: str, place: float) -> RigidTransform:
+    """Where an object ends: as far from its start as in the demonstrations, standing or lying as it did.
+
+    The displacement is the mean of the role's own-start pairs when it is put down; a model without them (mode
+    ``paper``) says nothing about it, and the object goes back to where it was.
+    """
+    start = task.T_agent_object[task.binding[role]]
+    changes = [c for c in task.model.changes if c.pair.is_own_start and c.pair.first.role == role]
+    if not changes:
+        return start
+    regions = np.array([task.region_at_start(change.pair.first) for change in changes])
+    displacements = np.array([change.at(np.array([place]))[0][0] for change in changes])
+    wanted = regions + displacements
+    turn = Rotation.identity()
+    if len(regions) > 1:
+        before, after = regions[-1] - regions[0], wanted[-1] - wanted[0]
+        if np.hypot(*before[:2]) > np.linalg.norm(before) * np.cos(LYING):
+            yaw = np.arctan2(after[1], after[0]) - np.arctan2(before[1], before[0])
+            turn = Rotation.from_rotvec([0.0, 0.0, (yaw + np.pi) % (2 * np.pi) - np.pi])
+    lowest = int(np.argmin(regions[:, 2]))
+    position = wanted.mean(axis=0) + turn.apply(start.translation - regions.mean(axis=0))
+    if not np.hypot(*(regions[-1] - regions[0])[:2]) > 0.1:  # standing: the lowest region is the one that is placed
+        position = start.translation + displacements[lowest]
+    height = position[2] - start.translation[2]
+    if _is_supported(task, role) and abs(height) < 2 * SUPPORT_TOLERANCE:
+        position[2] = start.translation[2]
+    return RigidTransform.from_components(position, turn * start.rotation)
+
+
+def _is_supported(task: Task, role: str) -> bool:
+    """Whether the object stands on a support at the start (any region of another object that things are placed onto)."""
+    name = task.binding[role]
+    model, pose = task.scene.objects[name], task.T_agent_object[name]
+    lowest = min(float(pose.apply(region.center)[2]) for region in model.affordance_regions)
+    radius = min((region.half_axes.min() for region in model.affordance_regions), default=0.0)
+    for other, support in task.scene.objects.items():
+        for region in support.affordance_regions:
+            if other != name and region.affordance.startswith("place onto"):
+                height = float(task.T_agent_object[other].apply(region.center)[2])
+                if abs(lowest - height) < SUPPORT_TOLERANCE + (
+                    radius + 0.03 if "place" not in model.affordances else 0.0
+                ):
+                    return True
+    return False

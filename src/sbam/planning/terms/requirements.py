@@ -1,0 +1,117 @@
+"""Requirements: what must hold exactly, posed as stiff quadratic terms.
+
+A relative pose is scaled by a length and an angle far below any tolerance, so that the terms that are traded against
+each other cannot move it visibly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.planning.rotation_error import left_jacobian_inverse, rotation_error
+from sbam.planning.state import State
+from sbam.planning.terms.base import EXACT, Array, Smoothing, Term
+
+POSITION_SCALE = 2e-4  # m: a pull of 1 per 5 mm, the strongest learned one, moves the pose by less than 0.01 mm
+ROTATION_SCALE = 2e-3  # rad
+
+
+def _pose_residual(position: Array, position_target: Array, rotation: Array, rotation_target: Array) -> Array:
+    translation = (position - position_target) / POSITION_SCALE
+    return np.concatenate([translation, rotation_error(rotation, rotation_target) / ROTATION_SCALE], axis=-1)
+
+
+@dataclass(frozen=True)
+class Resting(Term):
+    """A carried object stands still while it is not to be moved: before its lift and after it is put down.
+
+    Attributes:
+        objects: (O,) roles of the carried objects, in the workspace's order.
+        resting: (K, O) where the requirement applies.
+        position: (K, O, 3) origins where the objects rest, agent frame, m.
+        rotation: (K, O, 3, 3) their orientations, agent frame.
+    """
+
+    name: ClassVar[str] = "resting"
+    is_requirement: ClassVar[bool] = True
+
+    objects: tuple[str, ...]
+    resting: NDArray[np.bool_]
+    position: Array
+    rotation: Array
+
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, O, 6) scaled pose differences, zero where the object may move."""
+        residual = _pose_residual(state.object_position, self.position, state.object_rotation, self.rotation)
+        return residual * self.resting[..., None]
+
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, O, 6, n)."""
+        inverse = left_jacobian_inverse(rotation_error(state.object_rotation, self.rotation))
+        jacobian = np.concatenate(
+            [state.object_jacobian / POSITION_SCALE, inverse @ state.object_rotation_jacobian / ROTATION_SCALE], axis=-2
+        )
+        return jacobian * self.resting[..., None, None]
+
+    def groups(self) -> tuple[str, ...]:
+        """The objects' roles."""
+        return self.objects
+
+    def at(self, keypoint: int, previous: State | None) -> Resting:
+        """The term at one keypoint."""
+        k = slice(keypoint, keypoint + 1)
+        return Resting(self.objects, self.resting[k], self.position[k], self.rotation[k])
+
+
+@dataclass(frozen=True)
+class Closure(Term):
+    """The second hand keeps its grasp of an object that the first hand carries (the loop is closed).
+
+    Attributes:
+        carrying: index of the carrying whose object is held by both hands.
+        arm: index of the second arm in the workspace.
+        position: (3,) the second TCP in the object's frame, m.
+        rotation: (3, 3) its orientation in the object's frame.
+    """
+
+    name: ClassVar[str] = "closure"
+    is_requirement: ClassVar[bool] = True
+
+    carrying: int
+    arm: int
+    position: Array
+    rotation: Array
+
+    def _wanted(self, state: State) -> tuple[Array, Array]:
+        rotation = state.object_rotation[:, self.carrying]
+        return state.object_position[:, self.carrying] + rotation @ self.position, rotation @ self.rotation
+
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, 1, 6) scaled difference of the second TCP from its grasp."""
+        position, rotation = self._wanted(state)
+        k = state.kinematics
+        return _pose_residual(k.position[:, self.arm], position, k.rotation[:, self.arm], rotation)[:, None]
+
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, 1, 6, n)."""
+        position, rotation = self._wanted(state)
+        holder, arm = state.workspace.arm_of[[self.carrying]], np.array([self.arm])
+        own = state.kinematics.position[:, [self.arm]]
+        linear = state.point_jacobian(own, arm) - state.point_jacobian(position[:, None], holder)
+        # error = log(R R*^T): an angular displacement of R acts from the left, one of R* through -R R*^T.
+        difference = state.kinematics.rotation[:, self.arm] @ np.swapaxes(rotation, -1, -2)
+        inverse = left_jacobian_inverse(rotation_error(state.kinematics.rotation[:, self.arm], rotation))[:, None]
+        angular = state.angular_jacobian(arm) - difference[:, None] @ state.angular_jacobian(holder)
+        return np.concatenate([linear / POSITION_SCALE, inverse @ angular / ROTATION_SCALE], axis=-2)
+
+    def groups(self) -> tuple[str, ...]:
+        """One group."""
+        return (self.name,)
+
+    def at(self, keypoint: int, previous: State | None) -> Closure:
+        """The same term: it knows no keypoint."""
+        return self

@@ -1,0 +1,60 @@
+"""Small steps of the joints between keypoints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from sbam.planning.state import State
+from sbam.planning.terms.base import EXACT, Array, Smoothing, Term
+
+
+@dataclass(frozen=True)
+class Smoothness(Term):
+    """c sum_k |q_k - q_(k-1)|^2: settles redundancy and avoids branch switches; not in the paper.
+
+    Attributes:
+        coefficient: c, 1/rad^2 (or 1/m^2).
+        start: (n,) configuration before the first keypoint, or None to leave the first one free.
+    """
+
+    name: ClassVar[str] = "smoothness"
+    couples_neighbours: ClassVar[bool] = True
+
+    coefficient: float
+    start: Array | None = None
+
+    @property
+    def _scale(self) -> float:
+        return float(np.sqrt(2.0 * self.coefficient))
+
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, 1, n) scaled steps."""
+        q = state.configurations
+        first = q[:1] if self.start is None else self.start[None]
+        return self._scale * (q - np.concatenate([first, q[:-1]]))[:, None, :]
+
+    def _identity(self, state: State) -> Array:
+        count, joints = state.configurations.shape
+        return np.broadcast_to(self._scale * np.eye(joints), (count, 1, joints, joints)).copy()
+
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, 1, n, n)."""
+        jacobian = self._identity(state)
+        if self.start is None:
+            jacobian[0] = 0.0
+        return jacobian
+
+    def previous_jacobian(self, state: State) -> Array:
+        """(K, 1, n, n)."""
+        return -self._identity(state)
+
+    def groups(self) -> tuple[str, ...]:
+        """One group."""
+        return (self.name,)
+
+    def at(self, keypoint: int, previous: State | None) -> Smoothness:
+        """The term at one keypoint, the previous configuration being a constant."""
+        return Smoothness(self.coefficient, self.start if previous is None else previous.configurations[-1])
