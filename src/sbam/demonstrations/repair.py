@@ -38,7 +38,7 @@ MAX_ANGULAR_SPEED = 20.0
 """Mean angular speed within a step, rad/s: the peak of the fastest turns of the forearm."""
 MAX_ACCELERATION = 60.0
 """For a jump from rest to rest, m/s^2. Reaching 0.5 m as fast as people can, in 0.25 s, takes 32."""
-MAX_ANGULAR_ACCELERATION = 300.0
+MAX_ANGULAR_ACCELERATION = 350.0
 """For a jump from rest to rest, rad/s^2. Turning the forearm by 70 degrees in 0.15 s takes 220."""
 JUMP = 0.03
 """Steps shorter than this are no jumps, m."""
@@ -104,7 +104,7 @@ def repair_track(track: Track, body: str, demonstration: str) -> tuple[Track, tu
     return Track(track.time, position, rotation_xyzw), notes
 
 
-def repair(demonstration: Demonstration) -> Demonstration:
+def repair_demonstration(demonstration: Demonstration) -> Demonstration:
     """Mend the damaged frames of a demonstration made in Python; what the readers return is mended already.
 
     Raises:

@@ -94,7 +94,7 @@ def _labels(labels: tuple[Label, ...]) -> Iterator[str]:
         for label in labels:
             if label.hand == hand:
                 yield (
-                    f'\t\t\t<Segment start="{label.start!r}" end="{label.end!r}">'
+                    f'\t\t\t<Segment start="{float(label.start)!r}" end="{float(label.end)!r}">'
                     f"<Annotation target={_quote(label.target)}>{escape(label.action)}</Annotation></Segment>"
                 )
         yield "\t\t</Segmentation>"

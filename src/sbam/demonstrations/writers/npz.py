@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import msgspec
 import numpy as np
@@ -30,7 +31,7 @@ def encode(demonstration: Demonstration) -> bytes:
         source=demonstration.source,
         synthetic=demonstration.synthetic,
         notes=demonstration.notes,
-        labels=demonstration.labels,
+        labels=tuple(replace(label, start=float(label.start), end=float(label.end)) for label in demonstration.labels),
     )
     arrays["meta"] = np.array(msgspec.json.encode(meta).decode())
     content = io.BytesIO()
