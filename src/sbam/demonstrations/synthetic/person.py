@@ -47,7 +47,7 @@ class Person:
 
 PERSONS = (
     Person("tall", 1.79, 0.55, 0.36, 0.64, 1.0),
-    Person("short", 1.68, 0.52, 0.33, 0.60, 1.06),
+    Person("short", 1.68, 0.52, 0.33, 0.60, 1.04),
 )
 """Two statures, the range of the subjects of the KIT Bimanual Manipulation Dataset."""
 

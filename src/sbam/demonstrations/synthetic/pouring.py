@@ -71,6 +71,10 @@ JUICE_LAYOUTS = (
 MILK_LAYOUT = PouringLayout("milk_right", "milk_small", "cup_small", 0.0, 0.20)
 
 
+FLOWING = np.deg2rad(60.0)
+"""Tilt above which liquid is taken to flow, rad; the mouth leaves the rim only as it stops."""
+
+
 @dataclass(frozen=True)
 class _Schedule:
     """Onsets and durations of the sub-movements, s."""
@@ -82,6 +86,7 @@ class _Schedule:
     carry: tuple[float, float]
     tilt: tuple[float, float]
     tilt_back: tuple[float, float]
+    leave: tuple[float, float]
     carry_back: tuple[float, float]
     end: float
 
@@ -141,35 +146,44 @@ def generate_pouring(
 def _schedule(rng: np.random.Generator, person: Person, layout: PouringLayout, across: bool, tilt: float) -> _Schedule:
     """Draw when everything happens; hands are asynchronous, in 0.1 to 0.7 s."""
     draw = rng.uniform
-    tempo = person.tempo * draw(0.92, 1.08)
-    first_lift = draw(1.25, 1.7) * tempo
-    carry = (0.62 + 0.95 * layout.distance) * draw(0.9, 1.1) * tempo
+    tempo = person.tempo * draw(0.93, 1.06)
+    first_lift = draw(1.25, 1.7) * tempo + (0.1 if across else 0.0)
+    way = layout.distance + (0.35 if across else 0.0)
+    carry = (0.60 + 0.95 * way) * draw(0.9 if across else 0.8, 1.1) * tempo
     if across:
-        bottle_lift, cup_lift = first_lift, first_lift + carry * draw(0.65, 0.85)
+        bottle_lift, cup_lift = first_lift, first_lift + carry * draw(0.45, 0.55) + 0.8 * tempo
     else:
-        cup_lift, bottle_lift = first_lift, first_lift + draw(0.1, 0.7) * tempo
-    raise_cup = draw(1.3, 1.6) * tempo
-    tilt_up = PEAK_SPEED_RATIO * tilt / np.deg2rad(draw(165.0, 240.0))
-    tilt_down = PEAK_SPEED_RATIO * tilt / np.deg2rad(draw(165.0, 240.0))
-    # The tilt may begin under way, but the mouth must have arrived, and the cup nearly so, before liquid flows.
+        cup_lift, bottle_lift = first_lift, first_lift + draw(0.1, 0.85) * tempo
+    raise_cup = draw(1.35, 1.65) * tempo * (0.92 if across else 1.0)
+    tilt_up = PEAK_SPEED_RATIO * tilt / np.deg2rad(draw(170.0, 245.0))
+    tilt_down = PEAK_SPEED_RATIO * tilt / np.deg2rad(draw(170.0, 245.0))
+    # The tilt begins under way, but the mouth must have arrived, and the cup nearly so, before liquid flows.
+    arrival = draw(0.25, 0.52) * tilt_up
     tilt_on = max(
-        bottle_lift + draw(0.3, 1.0) * tempo,
-        bottle_lift + carry - 0.45 * tilt_up,
-        cup_lift + raise_cup - 0.3 * tilt_up,
+        bottle_lift + draw(0.15, 0.9) * tempo,
+        bottle_lift + carry - arrival,
+        cup_lift + raise_cup - 0.6 * tilt_up,
     )
-    back_on = tilt_on + tilt_up + draw(0.5, 1.6)
-    lower_on, lower = back_on + draw(0.2, 0.45), draw(1.15, 1.4) * tempo
+    if not across:  # across, the bottle waits beside the cup; else people slow down rather than wait
+        carry = tilt_on + arrival - bottle_lift
+    back_on = tilt_on + tilt_up + draw(0.5, 1.1 if across else 1.6)
+    lower_on, lower = back_on + draw(0.2, 0.45) + (0.2 if across else 0.0), draw(1.15, 1.45) * tempo
     cup_place = lower_on + lower
-    carry_back = carry * draw(1.05, 1.25)
-    down_on = cup_place + draw(0.2, 0.4) if across else back_on + tilt_down * draw(0.35, 0.6)
+    carry_back = (0.72 + 0.75 * way) * draw(0.9, 1.15) * tempo
+    stops = back_on + tilt_down * _phase(1.0 - FLOWING / tilt)
+    leave_on = stops - draw(0.24, 0.28) * tilt_down
+    down_on = cup_place + draw(0.2, 0.35) if across else stops + tilt_down * draw(0.0, 0.2)
     bottle_place = down_on + carry_back
 
-    def hand(lift: float, place: float) -> HandTimes:
-        grasp = lift - draw(0.12, 0.3)
-        leave = place + draw(0.15, 0.35)
-        return HandTimes(grasp - draw(0.7, 0.95) * tempo, grasp, lift, place, leave, leave + draw(0.7, 0.95) * tempo)
+    def hand(lift: float, place: float, way: float) -> HandTimes:
+        grasp, leave = lift - draw(0.12, 0.3), place + draw(0.12, 0.3)
+        reach_time, retreat_time = (0.55 + 1.0 * way) * tempo * draw(0.9, 1.15, 2)
+        return HandTimes(grasp - reach_time, grasp, lift, place, leave, leave + retreat_time)
 
-    left, right = hand(cup_lift, cup_place), hand(bottle_lift, bottle_place)
+    left, right = (
+        hand(cup_lift, cup_place, 0.4 if across else 0.25),
+        hand(bottle_lift, bottle_place, 0.5 if across else 0.3),
+    )
     return _Schedule(
         left,
         right,
@@ -178,9 +192,16 @@ def _schedule(rng: np.random.Generator, person: Person, layout: PouringLayout, a
         carry=(bottle_lift, carry),
         tilt=(tilt_on, tilt_up),
         tilt_back=(back_on, tilt_down),
+        leave=(leave_on, (1.35 if across else 1.15) * tilt_down),
         carry_back=(down_on, carry_back),
-        end=max(left.rest, right.rest) + draw(0.3, 0.8),
+        end=max(left.rest, right.rest) + draw(0.2, 0.5 if across else 0.8),
     )
+
+
+def _phase(progress: float) -> float:
+    """When a minimum-jerk movement has made that progress (0 to 1), as a fraction of its duration."""
+    phase = np.linspace(0.0, 1.0, 201)
+    return float(np.interp(progress, minimum_jerk(phase, 0.0, 1.0), phase))
 
 
 def _cup_motion(
@@ -197,15 +218,16 @@ def _cup_motion(
     rim = np.array([-0.01, 0.37 * person.scale, rng.normal(0.345, 0.012) * person.scale])
     pouring = rim - rim_height * UP + 0.35 * (start - (-0.08, 0.45, 0.0)) * (1.0, 1.0, 0.0)
     pouring += rng.normal(0.0, (0.012, 0.012, 0.0))
-    drag = np.array([0.02, -rng.uniform(0.02, 0.08), rng.uniform(0.02, 0.05)])
+    drag = np.array([rng.normal(0.0, 0.01), -rng.uniform(0.02, 0.11), rng.uniform(0.02, 0.06)])
+    then = rng.uniform(0.15, 0.35)
     movements = [
         SubMovement(lift, 0.5 * raise_time, drag),
-        *reach(rng, lift + 0.18 * raise_time, 0.82 * raise_time, pouring - start - drag),
+        *reach(rng, lift + then * raise_time, (1.0 - then) * raise_time, pouring - start - drag),
         *reach(rng, lower_on, lower, put_back(rng, start) - pouring, horizontal=(0.0, 0.85), detour=(0.0, -0.015, 0.0)),
     ]
     held = between(time, (lift, 0.5), (lower_on + lower - 0.5, 0.5))[:, None]
     position = superpose(time, start, movements)
-    position += held * (wander(rng, time, 0.0015, (0.1, 0.5)) + wander(rng, time, 0.00015, (6.0, 11.0)))
+    position += held * (wander(rng, time, 0.0015, (0.1, 0.5)) + wander(rng, time, 0.00007, (6.0, 11.0)))
     while_lifted = between(time, (lift, 0.45 * raise_time), (lift + 0.4 * raise_time, 0.8 * raise_time))
     while_pouring = between(time, schedule.tilt, schedule.tilt_back)
     tilt = (
@@ -239,7 +261,7 @@ def _bottle_motion(
     poured_to = np.pi + rng.normal(0.0, np.deg2rad(7.0))
     side = -np.array([np.cos(poured_to), np.sin(poured_to), 0.0])
     aside = np.array([-side[1], side[0], 0.0])
-    beside = rng.uniform(0.07, 0.10) * side + rng.uniform(0.06, 0.08) * UP
+    beside = rng.uniform(0.07, 0.10) * side + rng.uniform(0.045, 0.07) * UP
     over = rng.uniform(0.013, 0.024) * side + rng.normal(0.0, 0.003) * aside + rng.uniform(0.031, 0.038) * UP
     beside_again = rng.uniform(0.10, 0.13) * side + rng.uniform(0.04, 0.06) * UP
 
@@ -248,21 +270,21 @@ def _bottle_motion(
     mouth_start = start + height * UP
     mouth_end = put_back(rng, start) + height * UP
     detour = np.array([rng.normal(0.0, 0.01), -rng.uniform(0.0, 0.025), 0.01])
-    waiting = beside
+    waiting, clear = beside, beside_again
     if across:  # past the cup on the person's side, to the right of it, and there wait for the cup
-        waiting = np.array([0.20, 0.02, 0.03])
-        detour += (0.0, -0.10, 0.03)
+        waiting = clear = np.array([0.20, 0.02, 0.03])
+        detour += (0.0, -0.10, 0.05)
     approach = tilt_on - 0.45 * tilt_up, 1.0 * tilt_up
     movements = [
         *reach(rng, *schedule.carry, rim + waiting - mouth_start, horizontal=(0.12, 1.0), detour=detour),
         SubMovement(tilt_on - rng.uniform(0.02, 0.1), 0.85 * tilt_up, over - beside),
-        SubMovement(back_on + rng.uniform(0.0, 0.06), 1.15 * tilt_down, beside_again - over),
+        SubMovement(*schedule.leave, clear - over),
         *reach(
             rng,
             *schedule.carry_back,
-            mouth_end - rim - beside_again,
+            mouth_end - rim - clear,
             horizontal=(0.0, 0.82),
-            vertical=(0.1, 1.0),
+            vertical=(0.25 if across else 0.1, 1.0),
             detour=detour * (1.0, 1.0, 0.5),
         ),
     ]
@@ -273,7 +295,7 @@ def _bottle_motion(
     mouth += looked_at[:, None] * (rim_path - rim)
     lift, place = schedule.right.lift, schedule.right.place
     held = between(time, (lift, 0.5), (place - 0.5, 0.5))[:, None]
-    mouth += held * (wander(rng, time, 0.0012, (0.2, 0.8)) + wander(rng, time, 0.0002, (6.0, 11.0)))
+    mouth += held * (wander(rng, time, 0.0012, (0.2, 0.8)) + wander(rng, time, 0.00008, (6.0, 11.0)))
 
     share = rng.uniform(0.90, 0.97)  # the rest follows slowly, as the bottle empties
     course = share * minimum_jerk(time, tilt_on, tilt_up)
@@ -325,8 +347,8 @@ def _hands(
         T_object_hand = first.inv() * RigidTransform.from_components(position, palm)
         rest = rest_pose(rng, person, hand), rest_pose(rng, person, hand)
         detour = np.array([0.0, -0.01, rng.uniform(0.015, 0.05)])
-        if across and hand == "right":
-            detour += (0.0, -0.05, 0.10)  # over and around the cup
+        if across:  # around the cup, or around the way of the bottle
+            detour += (0.0, -0.05, 0.10 if hand == "right" else 0.0)
         poses[hand] = take_and_leave(rng, time, times, rest, T_agent_object * T_object_hand, detour)
     return poses
 

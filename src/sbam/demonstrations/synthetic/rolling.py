@@ -103,11 +103,11 @@ def generate_rolling(
 def _schedule(rng: np.random.Generator, person: Person, strokes: int) -> _Schedule:
     draw = rng.uniform
     tempo = person.tempo * draw(0.92, 1.08)
-    lift, carry = draw(1.1, 1.6) * tempo, draw(0.75, 0.95) * tempo
+    lift, carry = draw(1.0, 1.5) * tempo, draw(0.75, 0.95) * tempo
     clock = lift + carry + draw(0.05, 0.2)
     half_strokes = []
     for k in range(2 * strokes - 1):
-        length = (draw(0.75, 0.95) if k == 0 else draw(0.55, 0.66)) * tempo
+        length = (draw(0.70, 0.90) if k == 0 else draw(0.53, 0.61)) * tempo
         half_strokes.append((clock, length))
         clock += 0.87 * length
     back = draw(0.95, 1.2) * tempo
@@ -118,7 +118,7 @@ def _schedule(rng: np.random.Generator, person: Person, strokes: int) -> _Schedu
         hands[hand] = HandTimes(
             grasp - draw(0.65, 0.8) * tempo, grasp, lift, place, leave, leave + draw(0.65, 0.85) * tempo
         )
-    end = max(times.rest for times in hands.values()) + draw(0.3, 0.9)
+    end = max(times.rest for times in hands.values()) + draw(0.3, 0.7)
     return _Schedule(hands, (lift, carry), tuple(half_strokes), (clock, back), end)
 
 
@@ -148,17 +148,18 @@ def _pin_motion(
     hop_in = between(time, (lift, 0.55 * carry), (lift + 0.45 * carry, 0.9 * carry))
     hop_out = between(time, (back_on, 0.5 * back), (back_on + 0.45 * back, 0.55 * back))
     # Dough lies under the pin: pressed thinner by and by, and pressed less when drawn back.
-    dough = draw(0.004, 0.006) - 0.002 * minimum_jerk(time, first, back_on - first)
+    dough = draw(0.005, 0.007) - 0.002 * minimum_jerk(time, first, back_on - first)
     dough -= 0.0015 * np.tanh(np.gradient(position[:, 1], time) / 0.15)
     position[:, 2] += draw(0.028, 0.040) * hop_in + draw(0.022, 0.032) * hop_out + rolling * dough
     position[:, 0] += rolling * wander(rng, time, 0.006, (0.1, 0.3), 1)[:, 0]
     position += rolling[:, None] * wander(rng, time, 0.0004, (0.5, 2.0))
-    position += held[:, None] * wander(rng, time, 0.00015, (6.0, 11.0)) * (1.0, 1.0, 0.3)
+    position += held[:, None] * wander(rng, time, 0.00008, (6.0, 11.0)) * (1.0, 1.0, 0.3)
 
     degrees = np.pi / 180.0
     yaw = degrees * (rng.normal(0.0, 1.5) + rng.normal(0.0, 1.5) * minimum_jerk(time, lift, place - lift))
     yaw += rolling * degrees * wander(rng, time, draw(3.0, 5.5), (0.15, 0.5), 1)[:, 0]
     pitch = (hop_in + hop_out) * degrees * rng.normal(0.0, 1.0)
+    pitch += rolling * degrees * wander(rng, time, 0.25, (0.3, 1.2), 1)[:, 0]
     roll = degrees * (draw(-25.0, 25.0) + rolling * wander(rng, time, 3.0, (0.4, 1.2), 1)[:, 0])
     roll -= degrees * draw(20.0, 75.0) * minimum_jerk(time, lift + 0.9 * carry, draw(0.7, 0.9))  # a better grip
     roll -= degrees * draw(15.0, 35.0) * minimum_jerk(time, first, back_on - first)
