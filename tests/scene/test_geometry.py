@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import RigidTransform, Rotation
 
@@ -19,6 +19,7 @@ from sbam.scene import (
 ANGLE = st.floats(-720, 720)
 
 
+@settings(deadline=None)
 @given(ANGLE)
 def test_the_agent_looks_along_its_heading(heading: float) -> None:
     pose = agent_pose([1, 2, 3], heading)
@@ -40,6 +41,7 @@ def test_a_tilted_agent_frame_is_refused() -> None:
         agent_heading_deg(RigidTransform.from_rotation(Rotation.from_euler("x", 5, degrees=True)))
 
 
+@settings(deadline=None)
 @given(st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1), ANGLE)
 def test_an_upright_object_points_up(up: tuple[float, float, float], yaw: float) -> None:
     unit = np.array(up) / np.linalg.norm(up)
