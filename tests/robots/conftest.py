@@ -1,5 +1,6 @@
 """A small robot with a lift, a continuous torso joint, continuous arm joints and fingers, written as a user would."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
@@ -58,7 +59,7 @@ arms:{arm_yaml("left")}{arm_yaml("right")}
 """
 
 
-def write_torso_robot(folder: Path, description: str = DESCRIPTION, model: str = MODEL) -> Path:
+def write(folder: Path, description: str = DESCRIPTION, model: str = MODEL) -> Path:
     (folder / "torso.xml").write_text(model)
     path = folder / "torso.yaml"
     path.write_text(description)
@@ -67,4 +68,18 @@ def write_torso_robot(folder: Path, description: str = DESCRIPTION, model: str =
 
 @pytest.fixture(scope="session")
 def torso_robot(tmp_path_factory) -> Robot:
-    return load_robot(write_torso_robot(tmp_path_factory.mktemp("robot")))
+    return load_robot(write(tmp_path_factory.mktemp("robot")))
+
+
+@pytest.fixture
+def write_torso_robot(tmp_path) -> Callable[..., Path]:
+    """Writes the robot with texts replaced in its description or in its model (``in_model=True``)."""
+
+    def write_changed(changes: Mapping[str, str], in_model: bool = False) -> Path:
+        text = MODEL if in_model else DESCRIPTION
+        for old, new in changes.items():
+            assert old in text
+            text = text.replace(old, new)
+        return write(tmp_path, model=text) if in_model else write(tmp_path, text)
+
+    return write_changed

@@ -1,8 +1,9 @@
-"""Robots: description files, batched kinematics, Jacobians and collision checks."""
+"""Robots: description files, batched kinematics, Jacobians, collision checks, human-likeness."""
 
 from sbam.robots.collision import ClearanceReport, CollisionModel, NearPairs
 from sbam.robots.collision_pairs import PAIR_CLASSES
 from sbam.robots.description import RobotDescription, read_description
+from sbam.robots.human_likeness import HumanLikeness
 from sbam.robots.jacobian import point_jacobian, rotation_jacobian
 from sbam.robots.registry import ROBOTS, load_robot
 from sbam.robots.robot import Arm, Kinematics, Robot
@@ -13,6 +14,7 @@ __all__ = [
     "Arm",
     "ClearanceReport",
     "CollisionModel",
+    "HumanLikeness",
     "Kinematics",
     "NearPairs",
     "Robot",
