@@ -3,6 +3,7 @@
 from sbam.learning.generalization import GeneralizedChange, GeneralizedChannel
 from sbam.learning.learn import add_demonstration, learn
 from sbam.learning.model import ActionModel, Anchor, HandHold, Role
+from sbam.learning.model_file import load_model, save_model
 from sbam.learning.roles import bind_roles
 from sbam.learning.settings import LearningSettings
 
@@ -17,4 +18,6 @@ __all__ = [
     "add_demonstration",
     "bind_roles",
     "learn",
+    "load_model",
+    "save_model",
 ]

@@ -43,12 +43,13 @@ def hand_holds(sketches: Sequence[DemonstrationSketch], anchors: AnchorSet, mode
             found.setdefault(key, []).append(
                 (*warp(np.array([grasp, release]), own, model_times).tolist(), longest.hand_position)
             )
+    anchor_time = dict(zip(zip(anchors.kinds, anchors.roles, strict=True), model_times.tolist(), strict=True))
     result = [
         HandHold(
             role=role,
             hand=hand,
-            grasp=float(np.mean([grasp for grasp, _, _ in seen])),
-            release=float(np.mean([release for _, release, _ in seen])),
+            grasp=min(float(np.mean([grasp for grasp, _, _ in seen])), anchor_time.get(("lift", role), np.inf)),
+            release=max(float(np.mean([release for _, release, _ in seen])), anchor_time.get(("place", role), 0.0)),
             hand_position=np.array([position for _, _, position in seen if position is not None]).reshape(-1, 3),
         )
         for (role, hand), seen in found.items()

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_FULL_SEARCH = 128
-"""Up to this many split points are all tried; of more, every n-th first and then those around the best."""
+_FIRST_SPLITS = 16
+"""Split points that are tried at first, evenly spread..."""
+_REFINEMENT = 6
+"""...and by how much the spacing around the best shrinks each time, until it is one sample."""
 
 
 def segment(
@@ -72,14 +74,15 @@ def _area(time: Array, value: Array, weight: Array, start: int, end: int) -> flo
 
 def _best_split(time: Array, value: Array, weight: Array, start: int, end: int) -> int:
     """The sample between ``start`` and ``end`` with the least area to the two chords that meet there."""
-    count = end - start - 1
-    stride = -(-count // _FULL_SEARCH)
+    stride = -(-(end - start - 1) // _FIRST_SPLITS)
     splits = np.arange(start + 1 + (stride - 1) // 2, end, stride)
-    best = splits[_split_areas(time, value, weight, start, end, splits).argmin()]
-    if stride > 1:
-        splits = np.arange(max(start + 1, best - stride + 1), min(end, best + stride))
-        best = splits[_split_areas(time, value, weight, start, end, splits).argmin()]
-    return int(best)
+    while True:
+        best = int(splits[_split_areas(time, value, weight, start, end, splits).argmin()])
+        if stride == 1:
+            return best
+        first, last = max(start + 1, best - stride + 1), min(end, best + stride)
+        stride = -(-stride // _REFINEMENT)
+        splits = np.arange(first, last, stride)
 
 
 def _split_areas(time: Array, value: Array, weight: Array, start: int, end: int, splits: NDArray[np.int64]) -> Array:
@@ -87,5 +90,8 @@ def _split_areas(time: Array, value: Array, weight: Array, start: int, end: int,
     t, y = time[start : end + 1], value[start : end + 1]
     t_split, y_split = time[splits, None], value[splits, None]
     before, after = (y_split - y[0]) / (t_split - t[0]), (y[-1] - y_split) / (t[-1] - t_split)
-    slope = np.where(t < t_split, before, after)
-    return np.abs(y - y_split - slope * (t - t_split)) @ weight[start : end + 1]
+    deviation = np.where(t < t_split, before, after)
+    deviation *= t - t_split
+    deviation -= y
+    deviation += y_split
+    return np.abs(deviation, out=deviation) @ weight[start : end + 1]

@@ -1,0 +1,183 @@
+"""Model file: an action model as versioned JSON that people can read.
+
+The fields are those of `ActionModel` and what it holds, by the same names; one line per array. Numbers are written so
+that they are read back unchanged.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import MISSING, fields, is_dataclass
+from functools import cache
+from pathlib import Path
+from types import UnionType
+from typing import Any, Union, get_args, get_origin, get_type_hints
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.constraints import CONSTRAINT_TYPES, constraint_type
+from sbam.errors import FileFormatError
+from sbam.files import write_atomically
+from sbam.learning.model import ActionModel
+from sbam.scene.object_file import check_version
+from sbam.schema import convert
+
+FORMAT = "sbam action model"
+FORMAT_VERSION = 1
+
+_LINE = 110
+"""What fits into this many characters is written on one line."""
+_MATRICES = {("HandHold", "hand_position")}
+"""Array fields with rows of three, by class and field; all other arrays have one axis."""
+
+
+def save_model(model: ActionModel, path: str | Path) -> None:
+    """Write a model; raises `OutputError` if that is impossible, and then leaves nothing behind."""
+    content = {"format": FORMAT, "format_version": FORMAT_VERSION, **_plain(model)}
+    write_atomically(path, _pretty(content, "") + "\n")
+
+
+def load_model(path: str | Path) -> ActionModel:
+    """Read a model.
+
+    Raises:
+        FileFormatError: with the place inside the file, what was expected and the valid names.
+        FileVersionError: if the file was written for a later version of the format.
+    """
+    path = Path(path)
+    try:
+        content = msgspec.json.decode(path.read_bytes())
+    except OSError as error:
+        raise FileFormatError(path, "", f"cannot be read: {error.strerror or error}") from error
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise FileFormatError(path, "", f"is not valid JSON: {error}", "a model written by SBAM") from error
+    check_version(content, path, FORMAT_VERSION)
+    found = content.pop("format", None)
+    if found != FORMAT:
+        raise FileFormatError(path, "$.format", f"is {found!r}", repr(FORMAT))
+    if "format_version" not in content:
+        raise FileFormatError(path, "$.format_version", "is missing", f"1 to {FORMAT_VERSION}")
+    if not isinstance(content["format_version"], int):
+        raise FileFormatError(path, "$.format_version", f"is {content['format_version']!r}", "a whole number")
+    del content["format_version"]
+    model: ActionModel = _typed(ActionModel, convert(content, _schema(ActionModel), path))
+    _check(model, path)
+    return model
+
+
+def _plain(value: Any) -> Any:
+    """Dictionaries, lists and numbers for a dataclass of arrays."""
+    if is_dataclass(value):
+        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    return value
+
+
+def _pretty(value: Any, indent: str) -> str:
+    """JSON with one line for every array of numbers and for whatever is short."""
+    flat = json.dumps(value, ensure_ascii=False, allow_nan=False)
+    numbers = isinstance(value, list) and not any(isinstance(item, dict | list | str) for item in value)
+    if len(flat) <= _LINE or numbers or not isinstance(value, dict | list):
+        return flat
+    deeper = indent + " "
+    if isinstance(value, dict):
+        parts = [f"{deeper}{json.dumps(key)}: {_pretty(item, deeper)}" for key, item in value.items()]
+        return "{\n" + ",\n".join(parts) + f"\n{indent}}}"
+    return "[\n" + ",\n".join(deeper + _pretty(item, deeper) for item in value) + f"\n{indent}]"
+
+
+@cache
+def _schema(hint: Any, matrix: bool = False) -> Any:
+    """The schema of a type: a struct that refuses unknown fields for every dataclass, lists for arrays."""
+    if is_dataclass(hint) and isinstance(hint, type):
+        hints = get_type_hints(hint)
+        parts = []
+        for field in fields(hint):
+            kind = _schema(hints[field.name], (hint.__name__, field.name) in _MATRICES)
+            default = () if field.default is MISSING else (field.default,)
+            parts.append((field.name, kind, *default))
+        return msgspec.defstruct(hint.__name__, parts, forbid_unknown_fields=True, kw_only=True)
+    if get_origin(hint) is np.ndarray:
+        number = int if _dtype(hint) is np.int64 else float
+        return list[tuple[float, float, float]] if matrix else list[number]
+    if get_origin(hint) is tuple:
+        return tuple[_schema(get_args(hint)[0]), ...]
+    if get_origin(hint) in (Union, UnionType):
+        return Union[tuple(_schema(option) for option in get_args(hint))]  # noqa: UP007
+    return hint
+
+
+def _dtype(hint: Any) -> type:
+    return get_args(get_args(hint)[1])[0]
+
+
+def _typed(hint: Any, value: Any) -> Any:
+    """The dataclass, tuple or array that a checked plain value stands for."""
+    if is_dataclass(hint) and isinstance(hint, type):
+        hints = get_type_hints(hint)
+        content = {field.name: _typed(hints[field.name], getattr(value, field.name)) for field in fields(hint)}
+        for name in content:
+            if (hint.__name__, name) in _MATRICES:
+                content[name] = content[name].reshape(-1, 3)
+        return hint(**content)
+    if get_origin(hint) is np.ndarray:
+        return np.array(value, dtype=_dtype(hint))
+    if get_origin(hint) is tuple:
+        return tuple(_typed(get_args(hint)[0], item) for item in value)
+    if get_origin(hint) in (Union, UnionType) and value is not None:
+        return _typed(next(option for option in get_args(hint) if option is not type(None)), value)
+    return value
+
+
+def _check(model: ActionModel, path: Path) -> None:
+    """What the types cannot say."""
+    if model.constraint not in CONSTRAINT_TYPES:
+        raise FileFormatError(path, "$.constraint", f"is {model.constraint!r}", f"one of {', '.join(CONSTRAINT_TYPES)}")
+    _increasing(model.keypoint_times, 2, path, "$.keypoint_times")
+    duration = float(model.keypoint_times[-1])
+    roles = {role.name for role in model.roles}
+    for index, hold in enumerate(model.holds):
+        if hold.role not in roles:
+            raise FileFormatError(path, f"$.holds[{index}].role", f"is {hold.role!r}", f"one of {', '.join(roles)}")
+    for index, change in enumerate(model.changes):
+        where = f"$.changes[{index}]"
+        for role in change.pair.roles:
+            if role not in roles:
+                raise FileFormatError(path, f"{where}.pair", f"names {role!r}", f"one of {', '.join(roles)}")
+        if change.constraint not in CONSTRAINT_TYPES:
+            expected = f"one of {', '.join(CONSTRAINT_TYPES)}"
+            raise FileFormatError(path, f"{where}.constraint", f"is {change.constraint!r}", expected)
+        names = constraint_type(change.constraint).channel_names
+        if tuple(channel.name for channel in change.channels) != names:
+            raise FileFormatError(path, f"{where}.channels", "are not those of the type", ", ".join(names))
+        for position, channel in enumerate(change.channels):
+            place = f"{where}.channels[{position}]"
+            _increasing(channel.time, 2, path, f"{place}.time")
+            if channel.time[0] != 0.0 or not math.isclose(channel.time[-1], duration, abs_tol=1e-6):
+                raise FileFormatError(path, f"{place}.time", "does not span the action", f"0 to {duration:g}")
+            for name in ("mean", "std", "count"):
+                _same_length(getattr(channel, name), channel.time, path, f"{place}.{name}")
+            if (channel.std < 0).any():
+                raise FileFormatError(path, f"{place}.std", "has a negative number", "0 or more")
+    for index, sketch in enumerate(model.demonstrations):
+        for number, candidate in enumerate(sketch.candidates):
+            for position, channel in enumerate(candidate.channels):
+                place = f"$.demonstrations[{index}].candidates[{number}].channels[{position}]"
+                _increasing(channel.time, 2, path, f"{place}.time")
+                _same_length(channel.value, channel.time, path, f"{place}.value")
+
+
+def _increasing(values: NDArray[np.float64], least: int, path: Path, where: str) -> None:
+    if len(values) < least or not np.all(np.diff(values) > 0):
+        raise FileFormatError(path, where, "does not increase", f"{least} or more times in order")
+
+
+def _same_length(values: NDArray[Any], time: NDArray[np.float64], path: Path, where: str) -> None:
+    if len(values) != len(time):
+        raise FileFormatError(path, where, f"has {len(values)} numbers", f"{len(time)}, one for each time")
