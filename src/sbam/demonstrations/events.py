@@ -53,9 +53,9 @@ REVERSAL_PROMINENCE = 0.040
 REVERSAL_RELATIVE_PROMINENCE = 0.08
 """...or this part of the largest speed, if that is more."""
 REVERSAL_ARM = 0.030
-"""Length of the path before and after that shows the direction, m..."""
+"""Distance before and after that shows the direction, m..."""
 REVERSAL_ARM_DURATION = 0.5
-"""...but no longer than this, s."""
+"""...reached within this time; an object that is slower rests, and when in its rest it turns is chance, s."""
 
 TILT_RATE = np.radians(40.0)
 """Least peak of the angular speed of the object's axis, rad/s..."""
@@ -214,8 +214,8 @@ def _reversals(name: str, motion: ObjectMotion, whole: Run, R_world_agent: Rotat
     for minimum, prominence in zip(minima, properties["prominences"], strict=True):
         before = -_arm(position[minimum::-1])
         after = _arm(position[minimum:])
-        change = after - before
-        if before @ after < 0 and np.linalg.norm(change) > 0:
+        if before @ after < 0:
+            change = after - before
             descriptor = R_world_agent.inv().apply(change / np.linalg.norm(change))
             strength = float(prominence / object_speed.max())
             events.append(Event("reversal", name, float(motion.grid[whole.start + minimum]), descriptor, strength))
@@ -223,12 +223,11 @@ def _reversals(name: str, motion: ObjectMotion, whole: Run, R_world_agent: Rotat
 
 
 def _arm(path: Array) -> Array:
-    """Direction (3,) from the start of a path (N, 3) to where it has gone `REVERSAL_ARM` away."""
+    """Direction (3,) from the start of a path (N, 3) to where it is `REVERSAL_ARM` away; 0 if it does not get there."""
     path = path[: round(REVERSAL_ARM_DURATION * RATE) + 1]
     distance = np.linalg.norm(path - path[0], axis=1)
     far = np.flatnonzero(distance >= REVERSAL_ARM)
-    end = far[0] if len(far) else len(path) - 1
-    return (path[end] - path[0]) / max(distance[end], np.finfo(float).tiny)
+    return (path[far[0]] - path[0]) / distance[far[0]] if len(far) else np.zeros(3)
 
 
 def _tilts(name: str, grid: Array, axis: Array) -> list[Event]:
