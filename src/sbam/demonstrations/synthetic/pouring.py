@@ -15,7 +15,6 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.demonstration import Demonstration, Hand, Label
 from sbam.demonstrations.synthetic.motion import (
-    PEAK_SPEED_RATIO,
     UP,
     SubMovement,
     about,
@@ -33,13 +32,13 @@ from sbam.demonstrations.synthetic.motion import (
 from sbam.demonstrations.synthetic.person import (
     PERSONS,
     TABLE,
-    HandTimes,
     Person,
     palm_towards,
     rest_pose,
     stand_at_table,
     take_and_leave,
 )
+from sbam.demonstrations.synthetic.pouring_schedule import PouringSchedule, draw_schedule
 from sbam.scene.object_library import ObjectLibrary
 from sbam.scene.object_model import ObjectModel
 
@@ -71,26 +70,6 @@ JUICE_LAYOUTS = (
 MILK_LAYOUT = PouringLayout("milk_right", "milk_small", "cup_small", 0.0, 0.20)
 
 
-FLOWING = np.deg2rad(60.0)
-"""Tilt above which liquid is taken to flow, rad; the mouth leaves the rim only as it stops."""
-
-
-@dataclass(frozen=True)
-class _Schedule:
-    """Onsets and durations of the sub-movements, s."""
-
-    left: HandTimes
-    right: HandTimes
-    cup_raise: tuple[float, float]
-    cup_lower: tuple[float, float]
-    carry: tuple[float, float]
-    tilt: tuple[float, float]
-    tilt_back: tuple[float, float]
-    leave: tuple[float, float]
-    carry_back: tuple[float, float]
-    end: float
-
-
 def generate_pouring(
     layout: PouringLayout, seed: int, person: Person = PERSONS[0], library: ObjectLibrary | None = None
 ) -> Demonstration:
@@ -114,7 +93,7 @@ def generate_pouring(
     rng = np.random.default_rng([seed, 0])
     across = np.cos(layout.angle) < -0.3  # the right hand must fetch the bottle from beyond the cup
     tilt = np.deg2rad(rng.uniform(79.0, 104.0))
-    schedule = _schedule(rng, person, layout, across, tilt)
+    schedule = draw_schedule(rng, person.tempo, layout.distance, across, tilt)
     time = sample_times(schedule.end)
 
     offset = 0.5 * layout.distance * np.array([np.cos(layout.angle), np.sin(layout.angle), 0.0])
@@ -143,71 +122,10 @@ def generate_pouring(
     )
 
 
-def _schedule(rng: np.random.Generator, person: Person, layout: PouringLayout, across: bool, tilt: float) -> _Schedule:
-    """Draw when everything happens; hands are asynchronous, in 0.1 to 0.7 s."""
-    draw = rng.uniform
-    tempo = person.tempo * draw(0.93, 1.06)
-    first_lift = draw(1.25, 1.7) * tempo + (0.1 if across else 0.0)
-    way = layout.distance + (0.35 if across else 0.0)
-    carry = (0.60 + 0.95 * way) * draw(0.9 if across else 0.8, 1.1) * tempo
-    if across:
-        bottle_lift, cup_lift = first_lift, first_lift + carry * draw(0.45, 0.55) + 0.8 * tempo
-    else:
-        cup_lift, bottle_lift = first_lift, first_lift + draw(0.1, 0.85) * tempo
-    raise_cup = draw(1.35, 1.65) * tempo * (0.92 if across else 1.0)
-    tilt_up = PEAK_SPEED_RATIO * tilt / np.deg2rad(draw(170.0, 245.0))
-    tilt_down = PEAK_SPEED_RATIO * tilt / np.deg2rad(draw(170.0, 245.0))
-    # The tilt begins under way, but the mouth must have arrived, and the cup nearly so, before liquid flows.
-    arrival = draw(0.25, 0.52) * tilt_up
-    tilt_on = max(
-        bottle_lift + draw(0.15, 0.9) * tempo,
-        bottle_lift + carry - arrival,
-        cup_lift + raise_cup - 0.6 * tilt_up,
-    )
-    if not across:  # across, the bottle waits beside the cup; else people slow down rather than wait
-        carry = tilt_on + arrival - bottle_lift
-    back_on = tilt_on + tilt_up + draw(0.5, 1.1 if across else 1.6)
-    lower_on, lower = back_on + draw(0.2, 0.45) + (0.2 if across else 0.0), draw(1.15, 1.45) * tempo
-    cup_place = lower_on + lower
-    carry_back = (0.72 + 0.75 * way) * draw(0.9, 1.15) * tempo
-    stops = back_on + tilt_down * _phase(1.0 - FLOWING / tilt)
-    leave_on = stops - draw(0.24, 0.28) * tilt_down
-    down_on = cup_place + draw(0.2, 0.35) if across else stops + tilt_down * draw(0.0, 0.2)
-    bottle_place = down_on + carry_back
-
-    def hand(lift: float, place: float, way: float) -> HandTimes:
-        grasp, leave = lift - draw(0.12, 0.3), place + draw(0.12, 0.3)
-        reach_time, retreat_time = (0.55 + 1.0 * way) * tempo * draw(0.9, 1.15, 2)
-        return HandTimes(grasp - reach_time, grasp, lift, place, leave, leave + retreat_time)
-
-    left, right = (
-        hand(cup_lift, cup_place, 0.4 if across else 0.25),
-        hand(bottle_lift, bottle_place, 0.5 if across else 0.3),
-    )
-    return _Schedule(
-        left,
-        right,
-        cup_raise=(cup_lift, raise_cup),
-        cup_lower=(lower_on, lower),
-        carry=(bottle_lift, carry),
-        tilt=(tilt_on, tilt_up),
-        tilt_back=(back_on, tilt_down),
-        leave=(leave_on, (1.35 if across else 1.15) * tilt_down),
-        carry_back=(down_on, carry_back),
-        end=max(left.rest, right.rest) + draw(0.2, 0.5 if across else 0.8),
-    )
-
-
-def _phase(progress: float) -> float:
-    """When a minimum-jerk movement has made that progress (0 to 1), as a fraction of its duration."""
-    phase = np.linspace(0.0, 1.0, 201)
-    return float(np.interp(progress, minimum_jerk(phase, 0.0, 1.0), phase))
-
-
 def _cup_motion(
     rng: np.random.Generator,
     time: NDArray[np.float64],
-    schedule: _Schedule,
+    schedule: PouringSchedule,
     person: Person,
     cup: ObjectModel,
     start: NDArray[np.float64],
@@ -216,7 +134,7 @@ def _cup_motion(
     (lift, raise_time), (lower_on, lower) = schedule.cup_raise, schedule.cup_lower
     rim_height = float(cup.up @ (cup.region("pour into").center - cup.region("place").center))
     rim = np.array([-0.01, 0.37 * person.scale, rng.normal(0.345, 0.012) * person.scale])
-    pouring = rim - rim_height * UP + 0.35 * (start - (-0.08, 0.45, 0.0)) * (1.0, 1.0, 0.0)
+    pouring = rim - rim_height * UP + 0.45 * (start - (-0.08, 0.45, 0.0)) * (1.0, 1.0, 0.0)
     pouring += rng.normal(0.0, (0.012, 0.012, 0.0))
     drag = np.array([rng.normal(0.0, 0.01), -rng.uniform(0.02, 0.11), rng.uniform(0.02, 0.06)])
     then = rng.uniform(0.15, 0.35)
@@ -243,7 +161,7 @@ def _cup_motion(
 def _bottle_motion(
     rng: np.random.Generator,
     time: NDArray[np.float64],
-    schedule: _Schedule,
+    schedule: PouringSchedule,
     bottle: ObjectModel,
     cup: ObjectModel,
     T_agent_cup: RigidTransform,
@@ -262,7 +180,7 @@ def _bottle_motion(
     side = -np.array([np.cos(poured_to), np.sin(poured_to), 0.0])
     aside = np.array([-side[1], side[0], 0.0])
     beside = rng.uniform(0.07, 0.10) * side + rng.uniform(0.045, 0.07) * UP
-    over = rng.uniform(0.013, 0.024) * side + rng.normal(0.0, 0.003) * aside + rng.uniform(0.031, 0.038) * UP
+    over = rng.uniform(0.013, 0.024) * side + rng.normal(0.0, 0.003) * aside + rng.uniform(0.032, 0.038) * UP
     beside_again = rng.uniform(0.10, 0.13) * side + rng.uniform(0.04, 0.06) * UP
 
     mouth_local = bottle.region("pour from").center
@@ -277,7 +195,8 @@ def _bottle_motion(
     approach = tilt_on - 0.45 * tilt_up, 1.0 * tilt_up
     movements = [
         *reach(rng, *schedule.carry, rim + waiting - mouth_start, horizontal=(0.12, 1.0), detour=detour),
-        SubMovement(tilt_on - rng.uniform(0.02, 0.1), 0.85 * tilt_up, over - beside),
+        SubMovement(tilt_on - rng.uniform(0.02, 0.1), 0.85 * tilt_up, (over - beside) * (1.0, 1.0, 0.0)),
+        SubMovement(tilt_on + 0.15 * tilt_up, 0.85 * tilt_up, (over - beside) * UP),
         SubMovement(*schedule.leave, clear - over),
         *reach(
             rng,
@@ -329,7 +248,7 @@ def _standing_on_edge(model: ObjectModel, position: NDArray[np.float64], turn: R
 def _hands(
     rng: np.random.Generator,
     time: NDArray[np.float64],
-    schedule: _Schedule,
+    schedule: PouringSchedule,
     person: Person,
     held: dict[Hand, tuple[ObjectModel, RigidTransform]],
     across: bool,
@@ -353,7 +272,7 @@ def _hands(
     return poses
 
 
-def _labels(schedule: _Schedule, layout: PouringLayout) -> tuple[Label, ...]:
+def _labels(schedule: PouringSchedule, layout: PouringLayout) -> tuple[Label, ...]:
     left, right = schedule.left, schedule.right
     raised, tilted_back = sum(schedule.cup_raise), sum(schedule.tilt_back)
     pour = schedule.tilt[0] + 0.3 * schedule.tilt[1], tilted_back - 0.5 * schedule.tilt_back[1]
