@@ -273,21 +273,29 @@ def _hands(
 
 
 def _labels(schedule: PouringSchedule, layout: PouringLayout) -> tuple[Label, ...]:
-    left, right = schedule.left, schedule.right
-    raised, tilted_back = sum(schedule.cup_raise), sum(schedule.tilt_back)
-    pour = schedule.tilt[0] + 0.3 * schedule.tilt[1], tilted_back - 0.5 * schedule.tilt_back[1]
-    phases: list[tuple[Hand, str, float, float, str]] = [
-        ("left", "approach", left.start, left.grasp, layout.cup),
-        ("left", "grasp", left.grasp, left.lift, layout.cup),
-        ("left", "lift", left.lift, raised, layout.cup),
-        ("left", "hold", raised, schedule.cup_lower[0], layout.cup),
-        ("left", "place", schedule.cup_lower[0], left.leave, layout.cup),
-        ("left", "retreat", left.leave, left.rest, ""),
-        ("right", "approach", right.start, right.grasp, layout.bottle),
-        ("right", "grasp", right.grasp, right.lift, layout.bottle),
-        ("right", "lift", right.lift, pour[0], layout.bottle),
-        ("right", "pour", *pour, layout.cup),
-        ("right", "place", pour[1], right.leave, layout.bottle),
-        ("right", "retreat", right.leave, right.rest, ""),
+    """Labels in the vocabulary of the KIT Bimanual Manipulation Dataset."""
+    left, right, end = schedule.left, schedule.right, schedule.end
+    raised, lowered = sum(schedule.cup_raise), schedule.cup_lower[0]
+    (tilt_on, tilt_up), (back_on, tilt_down) = schedule.tilt, schedule.tilt_back
+    pour, poured = tilt_on + 0.5 * tilt_up, back_on + 0.5 * tilt_down
+    phases: list[tuple[Hand, float, float, str, str]] = [
+        ("left", 0.0, left.start, "Idle", ""),
+        ("left", left.start, left.lift, "Approach", layout.cup),
+        ("left", left.lift, raised, "Move", layout.cup),
+        ("left", raised, lowered, "Hold", layout.cup),
+        ("left", lowered, left.leave, "Place", layout.cup),
+        ("left", left.leave, left.rest, "Retreat", ""),
+        ("left", left.rest, end, "Idle", ""),
+        ("right", 0.0, right.start, "Idle", ""),
+        ("right", right.start, right.lift, "Approach", layout.bottle),
+        ("right", right.lift, pour, "Move", layout.bottle),
+        ("right", pour, poured, "Pour", layout.cup),
+        ("right", poured, right.leave, "Place", layout.bottle),
+        ("right", right.leave, right.rest, "Retreat", ""),
+        ("right", right.rest, end, "Idle", ""),
     ]
-    return tuple(Label(hand, start, end, action, target) for hand, action, start, end, target in phases)
+    return tuple(
+        Label(hand, float(start), float(end), action, target)
+        for hand, start, end, action, target in phases
+        if end - start > 0.01
+    )

@@ -66,7 +66,7 @@ def draw_schedule(
     left_closes, right_closes = draw(0.12, 0.3, 2)
     carry = (0.60 + 0.95 * way) * draw(0.9 if across else 0.8, 1.1) * tempo
 
-    lag = carry * draw(0.45, 0.55) + 0.7 * tempo if across else -draw(0.1, 0.85) * tempo  # of the cup
+    lag = carry * draw(0.5, 0.6) + 0.75 * tempo if across else -draw(0.1, 0.85) * tempo  # of the cup
     bottle_lift = draw(0.25, 0.5) + max(right_closes + right_reach, left_closes + left_reach - lag)
     cup_lift = bottle_lift + lag
     raise_cup = draw(1.35, 1.65) * tempo * (0.92 if across else 1.0)

@@ -194,16 +194,20 @@ def _hands(
 
 
 def _labels(schedule: _Schedule) -> tuple[Label, ...]:
+    """Labels in the vocabulary of the KIT Bimanual Manipulation Dataset."""
     first, last = schedule.strokes[0][0], schedule.back[0]
     labels = []
     for hand in SIDES:
         times = schedule.hands[hand]
-        labels += [
-            Label(hand, times.start, times.grasp, "approach", PIN),
-            Label(hand, times.grasp, times.lift, "grasp", PIN),
-            Label(hand, times.lift, first, "lift", PIN),
-            Label(hand, first, last, "roll out", PIN),
-            Label(hand, last, times.leave, "place", PIN),
-            Label(hand, times.leave, times.rest, "retreat"),
-        ]
+        for start, end, action in (
+            (0.0, times.start, "Idle"),
+            (times.start, times.lift, "Approach"),
+            (times.lift, first, "Move"),
+            (first, last, "RollOut"),
+            (last, times.leave, "Place"),
+            (times.leave, times.rest, "Retreat"),
+            (times.rest, schedule.end, "Idle"),
+        ):
+            target = "" if action in ("Idle", "Retreat") else PIN
+            labels.append(Label(hand, float(start), float(end), action, target))
     return tuple(labels)
