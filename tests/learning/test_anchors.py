@@ -14,7 +14,7 @@ from scipy.spatial.transform import RigidTransform
 from sbam.demonstrations.events import Event, find_events
 from sbam.demonstrations.readers import read_demonstration
 from sbam.demonstrations.synthetic import built_in_demonstrations
-from sbam.learning.anchors import LEAST_DISTANCE, align_events, align_in_order
+from sbam.learning.anchors import LEAST_DISTANCE, align_events, align_in_order, locate_anchors
 
 ONE = np.ones(1)
 FORTH, BACK = np.array([0.0, 1.0, 0.0]), np.array([0.0, -1.0, 0.0])
@@ -154,6 +154,18 @@ def test_numbers_of_sequences_and_durations_must_agree():
         align_events([], [])
 
 
+def test_anchors_are_located_in_another_demonstration():
+    anchors = align_events([[*pour(2, 3, 5, 6), *carry(1, 6.5)]], [8.0])
+    other = [*pour(1.5, 2.5, 5.5, 6.2), event("reversal", "vessel", 4, FORTH), *carry(1.6, 5.7)]
+    found = locate_anchors(anchors.kinds, anchors.roles, anchors.mean_times, other, 7.5)
+    np.testing.assert_allclose(found, [0, 1.5, 1.6, 2.5, 5.5, 5.7, 6.2, 7.5])
+    without_tilt = [item for item in other if item.kind != "tilt"]
+    found = locate_anchors(anchors.kinds, anchors.roles, anchors.mean_times, without_tilt, 7.5)
+    np.testing.assert_allclose(found, [0, 1.5, 1.6, 1.6 + 4.1 / 4, 1.6 + 3 * 4.1 / 4, 5.7, 6.2, 7.5])
+    found = locate_anchors(anchors.kinds, anchors.roles, anchors.mean_times, [], 4.0)
+    np.testing.assert_allclose(found, anchors.mean_times / 2)
+
+
 def role_events(demonstration):
     """Events with roles named by the kind of object."""
     roles = {"cup": "cup", "juice": "vessel", "milk": "vessel", "pin": "pin", "bottle": "vessel"}
@@ -180,6 +192,12 @@ def test_built_in_pouring(seed):
     assert np.all(np.diff(anchors.times, axis=1) > 0)
     assert np.all(np.diff(anchors.mean_times) >= LEAST_DISTANCE)
     np.testing.assert_allclose(anchors.times[:, -1], [item.duration for item in demonstrations])
+
+    for demonstration, own in zip(demonstrations, anchors.times, strict=True):
+        found = locate_anchors(
+            anchors.kinds, anchors.roles, anchors.mean_times, role_events(demonstration), demonstration.duration
+        )
+        np.testing.assert_allclose(found, own, atol=0.02)
 
     other = align(demonstrations[::-1])
     assert labels(other) == labels(anchors)

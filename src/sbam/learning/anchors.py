@@ -102,6 +102,43 @@ def align_events(events: Sequence[Sequence[Event]], durations: Sequence[float]) 
     )
 
 
+def locate_anchors(
+    kinds: Sequence[str],
+    roles: Sequence[str | None],
+    times: Array,
+    events: Sequence[Event],
+    duration: float,
+) -> Array:
+    """When the anchors of a model occur in a demonstration that it was not learned from.
+
+    Args:
+        kinds: (A) kinds of the anchors; first ``start``, last ``end``.
+        roles: (A) their roles.
+        times: (A,) their times on the model's axis, s.
+        events: events of the demonstration whose ``object`` is the role.
+        duration: duration of the demonstration, s.
+
+    Returns:
+        (A,) s, strictly increasing from 0 to ``duration``; an anchor that the demonstration does not show lies
+        between its neighbours as in the model.
+    """
+    times = np.asarray(times, dtype=float)
+    own = np.full(len(times), np.nan)
+    own[[0, -1]] = 0.0, duration
+    for role in sorted({role for role in roles if role is not None}):
+        mine = np.array([index for index, other in enumerate(roles) if other == role])
+        found = sorted((event for event in events if event.object == role), key=lambda event: event.time)
+        cost = np.abs(times[mine, None] / times[-1] - np.array([event.time for event in found]) / duration)
+        cost[[[kinds[index] != event.kind for event in found] for index in mine]] = np.inf
+        for row, column in align_in_order(cost, GAP_COST)[0]:
+            own[mine[row]] = found[column].time
+    seen = np.isfinite(own)
+    # Hands may swap order: what was found is sorted, as it was for the model.
+    own[seen] = np.sort(own[seen])
+    own = np.interp(times, times[seen], own[seen])
+    return _apart(own[None])[0]
+
+
 def _of_role(events: Sequence[Event], role: str) -> list[Event]:
     """Events of a role in order of time; none if it has no lift or no place."""
     own = sorted((event for event in events if event.object == role), key=lambda event: event.time)
@@ -184,7 +221,11 @@ def _recurring(role: str, sequences: list[list[Event]]) -> list[_Candidate]:
 def _sorted_times(candidates: Sequence[_Candidate], durations: Array) -> Array:
     """Times (D, A) of start, candidates and end, sorted in each demonstration and apart where there is room."""
     columns = [np.zeros(len(durations)), *(candidate.times for candidate in candidates), durations]
-    times = np.sort(np.stack(columns, axis=1), axis=1)
+    return _apart(np.sort(np.stack(columns, axis=1), axis=1))
+
+
+def _apart(times: Array) -> Array:
+    """Sorted times (D, A) moved apart, as far as there is room between the first and the last."""
     last = times.shape[1] - 1
     for column in range(1, last):
         times[:, column] = np.maximum(times[:, column], times[:, column - 1] + LEAST_OWN_DISTANCE)
