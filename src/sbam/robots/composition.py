@@ -10,6 +10,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import FileFormatError, UnknownNameError
 from sbam.robots.description import RobotDescription
+from sbam.robots.urdf import read_urdf
 
 if TYPE_CHECKING:
     import mujoco
@@ -78,9 +79,11 @@ def _read_model(path: Path, description_path: str, index: int) -> mujoco.MjSpec:
     if not path.is_file():
         raise FileFormatError(description_path, where, f"no model file {str(path)!r}", "a path relative to this file")
     try:
+        if path.suffix == ".urdf":
+            return mujoco.MjSpec.from_string(read_urdf(path))
         return mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
-        raise FileFormatError(path, "", f"MuJoCo cannot read it: {error}", "an MJCF model") from error
+        raise FileFormatError(path, "", f"MuJoCo cannot read it: {error}", "an MJCF or URDF model") from error
 
 
 def _check_joints(spec: mujoco.MjSpec, description: RobotDescription) -> None:

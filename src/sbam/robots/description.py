@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
-import yaml
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import FileFormatError, FileVersionError, UnknownNameError
+from sbam.schema import convert, read_yaml
 
 FORMAT = 1
 ArmName = Literal["left", "right"]
@@ -153,43 +153,20 @@ def read_description(path: str | Path) -> RobotDescription:
         path: YAML file.
 
     Raises:
-        FileFormatError: naming the file and the place in it, if it is not YAML or breaks the schema.
+        FileFormatError: naming the file and the place in it, if it is not YAML or not such a description.
         FileVersionError: if it was written for a later version.
         UnknownNameError: if an arm uses a joint that ``joints`` does not hold.
     """
     path = Path(path)
-    try:
-        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise FileFormatError(path, "", f"cannot be read: {error}", "a robot description (YAML)") from error
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f"line {mark.line + 1}" if mark else ""
-        raise FileFormatError(path, where, f"not YAML: {getattr(error, 'problem', error)}") from error
-    if not isinstance(raw, dict):
-        raise FileFormatError(path, "$", f"holds {type(raw).__name__}", "a mapping (docs/robots.md)")
-    if isinstance(raw.get("format"), int) and raw["format"] > FORMAT:
-        raise FileVersionError(path, raw["format"], FORMAT)
-    _refuse_non_finite(raw, "$", path)
-    try:
-        description = msgspec.convert(raw, RobotDescription)
-    except msgspec.ValidationError as error:
-        problem, _, where = str(error).partition(" - at ")
-        raise FileFormatError(path, where.strip("`") or "$", problem, "docs/robots.md") from error
+    content = read_yaml(path)
+    if not isinstance(content, dict):
+        raise FileFormatError(path, "$", f"holds {type(content).__name__}", "a mapping, see docs/robots.md")
+    if isinstance(content.get("format"), int) and content["format"] > FORMAT:
+        raise FileVersionError(path, content["format"], FORMAT)
+    description = convert(content, RobotDescription, path)
     description = msgspec.structs.replace(description, path=str(path))
     _check(description)
     return description
-
-
-def _refuse_non_finite(value: object, where: str, path: Path) -> None:
-    if isinstance(value, dict):
-        for key, child in value.items():
-            _refuse_non_finite(child, f"{where}.{key}", path)
-    elif isinstance(value, list):
-        for index, child in enumerate(value):
-            _refuse_non_finite(child, f"{where}[{index}]", path)
-    elif isinstance(value, float) and not math.isfinite(value):
-        raise FileFormatError(path, where, f"value is {value}", "a finite number")
 
 
 def _check(description: RobotDescription) -> None:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from sbam.errors import ConfigurationError, UnknownNameError
+from sbam.errors import ConfigurationError, FileFormatError, UnknownNameError
 from sbam.robots.composition import compile_spec, compose, pose_arrays
-from sbam.robots.description import ArmName, HandDescription, RobotDescription
+from sbam.robots.description import ArmDescription, ArmName, HandDescription, RobotDescription
 
 if TYPE_CHECKING:
     import mujoco
@@ -117,29 +117,33 @@ class Robot:
         self.home = np.array([joint.home for joint in joints])
         for name, home, lower, upper in zip(self.joint_names, self.home, self.lower, self.upper, strict=True):
             if not lower <= home <= upper:
-                raise ConfigurationError(self.name, f"home of joint {name!r} is {home}", f"{lower} to {upper}")
+                where = f"$.joints.{name}.home"
+                raise FileFormatError(description.path, where, f"is {home}", f"{lower} to {upper}, the model's limits")
         column = {name: index for index, name in enumerate(self.joint_names)}
         self.torso_indices = np.array([column[name] for name in description.torso_joints], dtype=np.int64)
         self._frames = _frame_table(model)
         self.frame_names = tuple(self._frames)
         self.arms: Mapping[ArmName, Arm] = {
-            side: Arm(
-                name=side,
-                tcp_frame=self._known(arm.tcp),
-                joint_indices=np.array([column[name] for name in arm.joints], dtype=np.int64),
-                shoulder_frame=self._known(arm.shoulder),
-                elbow_frame=self._known(arm.elbow),
-                wrist_frame=self._known(arm.wrist),
-                length=arm.length,
-                hand=arm.hand,
-                ik_seeds=np.array(arm.ik_seeds).reshape(-1, len(arm.joints)),
-            )
-            for side, arm in sorted(description.arms.items())
+            side: self._arm(side, arm, column) for side, arm in sorted(description.arms.items())
         }
-        for arm in self.arms.values():
-            self._known(arm.hand.body)
         self._kinematic_model = _without_shapes(description, T_world_base)
         self._spare_data: list[mujoco.MjData] = []
+
+    def _arm(self, side: ArmName, arm: ArmDescription, column: Mapping[str, int]) -> Arm:
+        path, where = self.description.path, f"$.arms.{side}"
+        for field in ("tcp", "shoulder", "elbow", "wrist"):
+            if (frame := getattr(arm, field)) not in self._frames:
+                raise UnknownNameError("frame", frame, self._frames, f"{path} at {where}.{field}")
+        bodies = [self.model.body(body).name for body in range(1, self.model.nbody)]
+        if arm.hand.body not in bodies:
+            raise UnknownNameError("body", arm.hand.body, bodies, f"{path} at {where}.hand.body")
+        indices = np.array([column[name] for name in arm.joints], dtype=np.int64)
+        seeds = np.array(arm.ik_seeds).reshape(-1, len(indices))
+        outside = np.argwhere((seeds < self.lower[indices]) | (seeds > self.upper[indices]))
+        for seed, joint in outside:
+            limits = f"{self.lower[indices[joint]]} to {self.upper[indices[joint]]}"
+            raise FileFormatError(path, f"{where}.ik_seeds[{seed}][{joint}]", f"is {seeds[seed, joint]}", limits)
+        return Arm(side, arm.tcp, indices, arm.shoulder, arm.elbow, arm.wrist, arm.length, arm.hand, seeds)
 
     @property
     def T_world_agent(self) -> RigidTransform:
