@@ -12,7 +12,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from sbam.errors import FileFormatError, FileVersionError, UnknownNameError
 from sbam.scene import ObjectLibrary, Scene, agent_pose, load_scene, region_centers, save_scene, support_height
 
-EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
+EXAMPLES = Path(__file__).parents[2] / "src" / "sbam" / "scene" / "scenes"
 
 CUP = {"position": [0.4, 0.1, 0.9], "upright_yaw_deg": 0}
 

@@ -74,13 +74,7 @@ def read_demonstrations(paths: str | Path | Iterable[str | Path]) -> list[Demons
     files: list[Path] = []
     for path in [paths] if isinstance(paths, str | Path) else list(paths):
         path = Path(path)
-        if not path.is_dir():
-            files.append(path)
-            continue
-        found = sorted(file for file in path.iterdir() if file.suffix.lower() in SUFFIXES and file.is_file())
-        if not found:
-            raise FileFormatError(path, "", "folder without recordings", f"files named *{', *'.join(SUFFIXES)}")
-        files += found
+        files += recordings_in(path) if path.is_dir() else [path]
     demonstrations = [read_demonstration(file) for file in files]
     names: dict[str, Path] = {}
     for file, demonstration in zip(files, demonstrations, strict=True):
@@ -90,6 +84,14 @@ def read_demonstrations(paths: str | Path | Iterable[str | Path]) -> list[Demons
             )
         names[demonstration.name] = file
     return demonstrations
+
+
+def recordings_in(folder: Path) -> list[Path]:
+    """Files directly in a folder that are recordings by their suffix, sorted; raises `FileFormatError` without any."""
+    found = sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES and file.is_file())
+    if not found:
+        raise FileFormatError(folder, "", "folder without recordings", f"files named *{', *'.join(SUFFIXES)}")
+    return found
 
 
 def _format_of(content: bytes, path: Path) -> RecordingFormat:

@@ -1,0 +1,64 @@
+"""Starting scenes, also from recordings: a demonstration's first frame."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sbam.demonstrations.demonstration import Demonstration
+from sbam.demonstrations.loading import BUILT_IN, load
+from sbam.errors import DemonstrationError, UnknownNameError
+from sbam.scene import ObjectLibrary, Scene, built_in_scene, built_in_scene_names, load_scene
+
+SCENE_SUFFIXES = (".yaml", ".yml")
+
+
+def scene_from_demonstration(demonstration: Demonstration, library: ObjectLibrary | None = None) -> Scene:
+    """The scene at the first frame of a demonstration: the robot shall start where the person did.
+
+    Args:
+        demonstration: its agent frame becomes that of the scene.
+        library: models of its objects; by default the built-in ones.
+
+    Raises:
+        UnknownNameError: if the library lacks an object of the demonstration; lists the known ones.
+    """
+    library = library or ObjectLibrary.built_in()
+    for name in demonstration.objects:
+        if name not in library:
+            raise UnknownNameError("object", name, library.names, f"demonstration {demonstration.name!r}")
+    return Scene(
+        name=f"start of {demonstration.name}",
+        objects={name: library[name] for name in demonstration.objects},
+        T_world_object={name: poses[0] for name, poses in demonstration.T_world_object.items()},
+        T_world_agent=demonstration.T_world_agent,
+        source=demonstration.source,
+    )
+
+
+def starting_scene(source: str | Path, library: ObjectLibrary | None = None) -> Scene:
+    """A scene from a scene file, a built-in scene, or the first frame of a recording.
+
+    Args:
+        source: a scene file (``.yaml``, ``.yml``), ``built-in:NAME`` of a scene or a demonstration, or a recording.
+        library: models of the objects; by default the built-in ones.
+
+    Raises:
+        FileFormatError: if the file cannot be used.
+        DemonstrationError: if the recording cannot be used, or there are several.
+        UnknownNameError: if there is no such built-in scene or demonstration, or the library lacks an object.
+    """
+    if Path(source).suffix.lower() in SCENE_SUFFIXES:
+        return load_scene(source, library)
+    name = str(source).removeprefix(BUILT_IN)
+    if name != str(source) and name in built_in_scene_names():
+        return built_in_scene(name)
+    try:
+        demonstrations = load(source)
+    except UnknownNameError as error:
+        raise UnknownNameError(
+            "built-in scene or demonstration", name, (*built_in_scene_names(), *error.known)
+        ) from None
+    if len(demonstrations) > 1:
+        names = ", ".join(one.name for one in demonstrations)
+        raise DemonstrationError(str(source), "are several recordings, but a scene is one", f"choose one of {names}")
+    return scene_from_demonstration(demonstrations[0], library)
