@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.demonstration import Hand
+from sbam.planning.approach import LINE_TIME
 from sbam.planning.checks import Check
+from sbam.planning.grasp_selection import meeting_objects
 from sbam.planning.grasps import Grasp
 from sbam.planning.motion import Motion, Phase
 from sbam.planning.task import Task
 from sbam.planning.trajectory import JointTrajectory
 from sbam.robots import Robot
+from sbam.robots.collision import CollisionModel
 
 Array = NDArray[np.float64]
 
@@ -24,6 +27,7 @@ CLOSURE_POSITION = 1e-3  # m: how far the second hand of a two-handed grasp may 
 CLOSURE_ROTATION = np.deg2rad(0.5)  # rad
 JUMP = 1e-3  # m: how far an object may jump when it is taken over by a hand or left standing
 TORQUE_SAMPLES = 200.0  # Hz
+CLEARANCE_STRIDE = 20  # samples between two measurements of distances
 GRAVITY = 9.81  # m/s^2
 
 
@@ -49,6 +53,7 @@ def execute(
     motion: Motion,
     trajectory: JointTrajectory,
     clock: Array,
+    clearance: float,
 ) -> Execution:
     """Carry the objects along the trajectory by forward kinematics at every sample.
 
@@ -59,6 +64,7 @@ def execute(
         motion: the dense motion that was timed.
         trajectory: the timed trajectory.
         clock: (N,) model time of its samples, s.
+        clearance: distance that must be kept from what is not touched on purpose, m.
     """
     arms = list(robot.arms)
     kinematics = robot.kinematics(trajectory.position, [robot.arms[arm].tcp_frame for arm in arms])
@@ -88,8 +94,40 @@ def execute(
         expected = np.stack([np.interp(clock, wanted.time, column) for column in wanted.pose.translation.T], axis=-1)
         off = np.linalg.norm(position - expected, axis=1)
         checks.append(_largest(f"{moved.name} follows its path", off, 2e-3, "m", trajectory.time))
+    checks += check_clearances(task, robot, motion, poses, trajectory, clock, clearance)
     checks.append(_check_torques(task, robot, poses, grasps, trajectory))
     return Execution(clock, poses, tuple(checks))
+
+
+def check_clearances(
+    task: Task,
+    robot: Robot,
+    motion: Motion,
+    poses: Mapping[str, RigidTransform],
+    trajectory: JointTrajectory,
+    clock: Array,
+    clearance: float,
+) -> list[Check]:
+    """Distances over the whole motion, by class of pairs; a hand may touch its object from the straight approach on."""
+    samples = np.append(np.arange(0, len(clock), CLEARANCE_STRIDE), len(clock) - 1)
+    collision = CollisionModel(robot, task.scene.objects, allowed=meeting_objects(task))
+    objects = dict(task.T_agent_object)
+    objects.update({moved.name: poses[moved.role][samples] for moved in task.moved})
+    held = {}
+    for moved in task.moved:
+        for hand in moved.hands:
+            phases = {p.name: p for p in motion.phases if p.role == moved.role and p.hand == hand}
+            near = (clock >= phases["grasp"].start - LINE_TIME) & (clock <= phases["place"].end + LINE_TIME)
+            held[moved.name, hand] = near[samples]
+    report = collision.clearances(trajectory.position[samples], objects, held)
+    checks = []
+    for kind, distance in report.distance_by_class.items():
+        worst = int(np.argmin(distance))
+        pair = report.pair_by_class[kind][worst]
+        where = f"{' and '.join(pair)} at {trajectory.time[samples[worst]]:.3f} s" if pair else ""
+        ok = bool(distance[worst] >= clearance)
+        checks.append(Check(f"clearance {kind}", ok, float(distance[worst]), clearance, "m", where))
+    return checks
 
 
 def _largest(name: str, values: Array, limit: float, unit: str, time: Array) -> Check:
@@ -146,7 +184,7 @@ def _check_torques(
     model = copy.copy(robot.model)
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     data = mujoco.MjData(model)
-    stride = max(1, int(round(1.0 / (TORQUE_SAMPLES * float(trajectory.time[1] - trajectory.time[0])))))
+    stride = max(1, round(1.0 / (TORQUE_SAMPLES * float(trajectory.time[1] - trajectory.time[0]))))
     samples = np.arange(0, len(trajectory.time), stride)
     ratio = np.zeros((len(samples), len(robot.joint_names)))
     loads = []

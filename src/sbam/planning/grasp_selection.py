@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -16,13 +16,17 @@ from sbam.planning.grasps import Grasp, candidate_grasps
 from sbam.planning.inverse_kinematics import solve_poses
 from sbam.planning.task import MovedObject, Task
 from sbam.robots import Robot
+from sbam.robots.collision import CollisionModel
 
 Array = NDArray[np.float64]
 
 RANDOM_NEAR_HOME = 3  # starts home + N(0, 0.5)
 RANDOM_STARTS = 4  # starts anywhere within the limits
 LIMIT_MARGIN = 0.05  # rad: postures nearer to a limit rank lower
+EXAMINE = 48  # best grasps of each hand whose clearance is measured
 KEEP = 12  # best grasps of each hand that are combined
+COMBINATIONS = 60  # best combinations whose clearance is measured
+COMFORTABLE = 0.03  # m: more clearance than this is not better
 
 
 @dataclass(frozen=True)
@@ -78,7 +82,7 @@ def follow_grasps(
     reached = solution.reached().reshape(count, len(starts))
     q = solution.configurations.reshape(count, len(starts), -1)
     rank = np.where(reached, _limit_cost(robot, q, joints) + 0.1 * np.abs(q - robot.home)[..., joints].max(-1), np.inf)
-    works = reached.any(axis=1)
+    works: NDArray[np.bool_] = np.asarray(reached.any(axis=1))
     path = np.empty((count, checkpoints, q.shape[-1]))
     path[:, hardest] = q[np.arange(count), rank.argmin(axis=1)]
     failed_at = np.where(works, -1, hardest)
@@ -138,22 +142,86 @@ def _score(robot: Robot, grasp: Grasp, path: Array, joints: NDArray[np.int_]) ->
 
 
 def choose_grasps(
-    task: Task, robot: Robot, poses: Mapping[str, RigidTransform], checker: object | None, seed: int = 0
-) -> Iterator[dict[tuple[str, Hand], FollowedGrasp]]:
-    """Combinations of grasps, best first; each is consistent with the others at all checkpoints.
+    task: Task, robot: Robot, poses: Mapping[str, RigidTransform], seed: int = 0
+) -> list[dict[tuple[str, Hand], FollowedGrasp]]:
+    """Combinations of grasps for all hands, best first.
+
+    Each grasp works by itself at all checkpoints; the combinations are ranked by the clearance that arms, hands and
+    objects keep from each other there.
 
     Args:
         task: model bound to a scene.
         robot: robot standing in the agent frame.
         poses: role -> M poses at the checkpoints, agent frame.
-        checker: judges clearances of combinations, or None.
         seed: of the random starts.
 
-    Yields:
-        (role, hand) -> grasp.
+    Returns:
+        (role, hand) -> grasp, at most `COMBINATIONS` of them.
+
+    Raises:
+        UnreachableError: if a hand finds no grasp.
     """
-    keys = [(moved, hand) for moved in task.moved for hand in moved.hands]
-    options = [follow_grasps(robot, moved, hand, poses[moved.role], seed)[:KEEP] for moved, hand in keys]
-    ranked = sorted(product(*options), key=lambda combination: sum(item.score for item in combination))
-    for combination in ranked:
-        yield {(moved.role, hand): item for (moved, hand), item in zip(keys, combination, strict=True)}
+    collision = CollisionModel(robot, task.scene.objects, allowed=meeting_objects(task))
+    keys: list[tuple[MovedObject, Hand]] = [(moved, hand) for moved in task.moved for hand in moved.hands]
+    options = []
+    for moved, hand in keys:
+        followed = follow_grasps(robot, moved, hand, poses[moved.role], seed)[:EXAMINE]
+        joints = robot.frame_joints(robot.arms[hand].tcp_frame)
+        configurations = np.array([np.where(joints, item.configurations, robot.home) for item in followed])
+        clearance = _clearances(task, collision, configurations, poses, ("self", "arm-support", "arm-object"))
+        scored = [replace(item, score=item.score + _penalty(c)) for item, c in zip(followed, clearance, strict=True)]
+        options.append(sorted(scored, key=lambda item: item.score)[:KEEP])
+    combinations = sorted(product(*options), key=lambda items: sum(item.score for item in items))[:COMBINATIONS]
+    if len(keys) > 1:
+        configurations = np.array([_merged(robot, keys, items) for items in combinations])
+        clearance = _clearances(task, collision, configurations, poses, ("arm-arm",))
+        totals = [
+            sum(item.score for item in items) + _penalty(c) for items, c in zip(combinations, clearance, strict=True)
+        ]
+        combinations = [combinations[i] for i in np.argsort(totals)]
+    return [
+        {(moved.role, hand): item for (moved, hand), item in zip(keys, items, strict=True)} for items in combinations
+    ]
+
+
+def meeting_objects(task: Task) -> list[tuple[str, str]]:
+    """Pairs of objects whose regions the model brings together on purpose; they may touch."""
+    pairs = {
+        tuple(sorted(task.binding[role] for role in change.pair.roles))
+        for change in task.model.changes
+        if len(change.pair.roles) == 2
+    }
+    return [(first, second) for first, second in sorted(pairs)]
+
+
+def _merged(robot: Robot, keys: Sequence[tuple[MovedObject, Hand]], items: Sequence[FollowedGrasp]) -> Array:
+    """(M, n) configurations of all hands together."""
+    configurations = np.tile(robot.home, (len(items[0].configurations), 1))
+    for (_, hand), item in zip(keys, items, strict=True):
+        joints = robot.arms[hand].joint_indices
+        configurations[:, joints] = item.configurations[:, joints]
+    return configurations
+
+
+def _clearances(
+    task: Task,
+    collision: CollisionModel,
+    configurations: Array,
+    poses: Mapping[str, RigidTransform],
+    kinds: Sequence[str],
+) -> Array:
+    """(G,) smallest distance of the given classes over all checkpoints of (G, M, n) configurations, m."""
+    grasps, checkpoints, joints = configurations.shape
+    every = np.tile(np.arange(checkpoints), grasps)
+    objects = dict(task.T_agent_object)
+    objects.update({moved.name: poses[moved.role][every] for moved in task.moved})
+    always = np.ones(len(every), dtype=bool)
+    held: dict[tuple[str, Hand], NDArray[np.bool_]] = {(moved.name, hand): always for moved in task.moved for hand in moved.hands}
+    report = collision.clearances(configurations.reshape(-1, joints), objects, held, distance_max=COMFORTABLE)
+    distance = np.min([report.distance_by_class[kind] for kind in kinds], axis=0)
+    return distance.reshape(grasps, checkpoints).min(axis=1)
+
+
+def _penalty(clearance: float) -> float:
+    """What a small clearance adds to the score: little while there is some, much where things touch."""
+    return max(0.0, 1.0 - clearance / COMFORTABLE) + (10.0 + 100.0 * -clearance if clearance < 0 else 0.0)

@@ -90,7 +90,7 @@ def _around_or_across(robot: Robot, moved: MovedObject, hand: Hand, region: Gras
     for height in HEIGHTS if region.kind == "around" else (0.0,):
         center = moved.start.apply(region.center + height * region.half_length * region.axis)
         for azimuth, tilt, approach, opening in _directions(moved, region, axis):
-            distance = min((abs(_wrap(azimuth - other)) for other in human), default=0.0)
+            distance = float(np.abs(_wrap(azimuth - human)).min(initial=np.pi)) if len(human) else 0.0
             for flipped in (False, True):
                 rotation = _tcp_rotation(robot, hand, approach, -opening if flipped else opening)
                 T_agent_tcp = RigidTransform.from_components(center, rotation)

@@ -93,7 +93,7 @@ def solve_poses(
             step *= np.minimum(1.0, 0.5 / np.maximum(np.abs(step).max(axis=1, keepdims=True), 0.5))
             trial = q[active]
             trial[:, joints] = np.clip(current + step, lower, upper)
-            trial_state, trial_error = _errors(workspace, columns, trial, position[active], rotation[active])
+            _, trial_error = _errors(workspace, columns, trial, position[active], rotation[active])
             trial_cost = _cost(trial_error, trial, q_reference[active], joints, weight)
             better = trial_cost < cost[active]
             gain = cost[active] - trial_cost

@@ -1,9 +1,9 @@
 """Dense paths of the moved objects between the optimised keypoints.
 
 Joints must not simply be interpolated between keypoints (hands stray by centimetres and two-handed grasps open).
-What is wanted is interpolated instead: the position of the region that acts (the spout, the rim, the axis of the pin) and
-the orientation of its object. All objects pass through the same linear operator, so vectors between acting regions are
-interpolated as well as the regions are.
+What is wanted is interpolated instead: the position of the region that acts (the spout, the rim, the axis of the pin)
+and the orientation of its object. All objects pass through the same linear operator, so vectors between acting regions
+are interpolated as well as the regions are.
 """
 
 from __future__ import annotations
@@ -78,12 +78,12 @@ def object_path(
     Returns:
         The dense path.
     """
-    inside = (keypoint_times > moved.lift + 1e-6) & (keypoint_times < moved.place - 1e-6)
+    inside = np.flatnonzero((keypoint_times > moved.lift + 1e-6) & (keypoint_times < moved.place - 1e-6))
     times = np.concatenate([[moved.lift], keypoint_times[inside], [moved.place]])
     point = acting_point(task, moved)
     rotations = Rotation.concatenate(
         [moved.start.rotation, keypoint_poses.rotation[inside], moved.put_down.rotation]
-        if inside.any()
+        if len(inside)
         else [moved.start.rotation, moved.put_down.rotation]
     )
     points = np.concatenate(
@@ -115,7 +115,7 @@ def ease(share: Array) -> Array:
 
 
 def _smooth_rotations(rotation: Rotation, width: float) -> Rotation:
-    """Gaussian mean of neighbouring rotations: of their quaternions with continuous signs, which is exact to O(angle^3)."""
+    """Gaussian mean of neighbouring rotations, as of quaternions with continuous signs: exact to third order."""
     quaternion_xyzw = rotation.as_quat()
     flips = np.cumprod(np.where((quaternion_xyzw[1:] * quaternion_xyzw[:-1]).sum(axis=1) < 0, -1.0, 1.0))
     quaternion_xyzw[1:] *= flips[:, None]

@@ -20,7 +20,7 @@ from sbam.planning.free_flight import solve_free_flight
 from sbam.planning.grasp_selection import FollowedGrasp, choose_grasps
 from sbam.planning.grasps import Grasp
 from sbam.planning.motion import Phase, make_motion
-from sbam.planning.problem import Problem
+from sbam.planning.reachability import unreached
 from sbam.planning.settings import PlanSettings
 from sbam.planning.solvers.result import Solution
 from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
@@ -32,7 +32,7 @@ from sbam.scene import Scene
 
 Array = NDArray[np.float64]
 
-CHECKPOINTS = 9  # keypoints at which grasps are tried
+CHECKPOINTS = 10  # keypoints at which grasps are tried
 ATTEMPTS = 4  # combinations of grasps that are carried through to a trajectory before giving up
 DEFAULT_ROBOT = "panda_dual"
 
@@ -121,15 +121,11 @@ def plan(
     clock.enter("free flight")
     free, poses = solve_free_flight(task, settings)
     clock.enter("grasps")
-    count = len(model.keypoint_times)
-    checkpoints = np.unique(np.linspace(0, count - 1, CHECKPOINTS).round().astype(int))
+    checkpoints = _checkpoints(task)
     at_checkpoints = {role: pose[checkpoints] for role, pose in poses.items()}
     best: Plan | None = None
     trouble: UnreachableError | TrajectoryError | None = None
-    combinations = choose_grasps(task, robot, at_checkpoints, None, settings.seed)
-    for attempt, chosen in enumerate(combinations):
-        if attempt == ATTEMPTS:
-            break
+    for chosen in choose_grasps(task, robot, at_checkpoints, settings.seed)[:ATTEMPTS]:
         try:
             candidate = _plan_with(task, robot, settings, chosen, checkpoints, free, clock)
         except (UnreachableError, TrajectoryError) as error:
@@ -139,7 +135,6 @@ def plan(
             best = candidate
         if best.ok:
             break
-        clock.enter("grasps")
     if best is None:
         raise trouble or UnreachableError(f"{robot.name} finds no grasps for the whole action")
     return best
@@ -183,7 +178,7 @@ def _plan_with(
     clock.enter("timing")
     trajectory, model_time = time_path(robot, motion.clock, motion.configurations, settings.speed, settings.sample_rate)
     clock.enter("checks")
-    execution = execute(task, robot, grasps, motion, trajectory, model_time)
+    execution = execute(task, robot, grasps, motion, trajectory, model_time, settings.clearance)
     checks = (*check_receivers(robot, trajectory, robot.clip(robot.home), settings.speed), *execution.checks)
     problems = [*unreached(problem, solution, free, times), *failed(checks)]
     return Plan(
@@ -203,36 +198,12 @@ def _plan_with(
     )
 
 
-UNREACHED = (
-    3.0  # a pair's residual that exceeds the free flight's by this many learned standard deviations is a problem
-)
-
-
-def unreached(problem: Problem, solution: Solution, free: Solution, times: Array) -> list[str]:
-    """Keypoints that the robot cannot reach, with the term and the joints that stop it.
-
-    A keypoint counts as unreached if a requirement is off by more than its tolerance, or a pair by `UNREACHED` more than
-    it would be without a robot.
-    """
-    sentences = []
-    requirements = {term.name for term in problem.terms if term.is_requirement}
-    for name, groups in solution.terms.items():
-        for group, cost in groups.items():
-            if name in requirements:
-                excess = np.sqrt(2.0 * cost)  # in scales of the requirement: 0.2 mm, 2 mrad
-                limit, unit = 5.0, "times its scale of 0.2 mm and 2 mrad"
-            elif name == "similarity" and group in free.terms.get(name, {}):
-                excess, limit, unit = cost - free.terms[name][group], UNREACHED, "learned standard deviations"
-            else:
-                continue
-            worst = int(np.argmax(excess))
-            if excess[worst] > limit:
-                joints = ", ".join(solution.active_limits[worst]) or "none at its limit: the arm is too short"
-                sentences.append(
-                    f"keypoint {worst} at {times[worst]:.2f} s is out of reach: {name} of {group} is off by "
-                    f"{excess[worst]:.1f} {unit}; joints: {joints}"
-                )
-    return sentences
+def _checkpoints(task: Task) -> NDArray[np.int_]:
+    """Indices of the keypoints at which grasps are tried: evenly from the first lift to the last place."""
+    times = task.model.keypoint_times
+    first = int(np.searchsorted(times, min(moved.lift for moved in task.moved) + 1e-9)) - 1
+    last = int(np.searchsorted(times, max(moved.place for moved in task.moved) - 1e-9))
+    return np.unique(np.linspace(max(first, 0), min(last, len(times) - 1), CHECKPOINTS).round().astype(int))
 
 
 class _Stopwatch:

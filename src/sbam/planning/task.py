@@ -152,7 +152,7 @@ def _put_down(task: Task, role: str, place: float) -> RigidTransform:
 
 
 def _is_supported(task: Task, role: str) -> bool:
-    """Whether the object stands on a support at the start (any region of another object that things are placed onto)."""
+    """Whether the object stands at the start on a region of another object that things are placed onto."""
     name = task.binding[role]
     model, pose = task.scene.objects[name], task.T_agent_object[name]
     lowest = min(float(pose.apply(region.center)[2]) for region in model.affordance_regions)

@@ -49,6 +49,7 @@ def time_path(
     step = float(fine[1] - fine[0])
     width = WINDOW / step
     allowed = np.ones(len(fine))
+    excess = np.ones(len(fine))
     for _ in range(MAX_ROUNDS):
         rate = _smooth(allowed, width)
         slope = np.gradient(rate, step)
@@ -70,10 +71,9 @@ def time_path(
         if excess.max() <= 1.0:
             return _sample(robot, spline, fine, rate, sample_rate)
         allowed = np.minimum(allowed, np.where(excess > 1.0, rate / (1.02 * excess), allowed))
-    joint = int(np.argmax((np.abs(velocity) / velocity_limit).max(axis=0)))
     raise TrajectoryError(
-        f"no timing keeps the limits of {robot.name}: joint {robot.joint_names[joint]!r} would need "
-        f"{excess.max():.1f} times its limit at {fine[int(excess.argmax())]:.2f} s of the path"
+        f"no timing keeps the limits of {robot.name}: {excess.max():.1f} times too fast at "
+        f"{fine[int(excess.argmax())]:.2f} s of the path even when slowed down"
     )
 
 

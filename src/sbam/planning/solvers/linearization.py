@@ -41,6 +41,7 @@ def linearize(problem: Problem, state: State, smoothing: Smoothing) -> Lineariza
     for term in problem.terms:
         residual = term.residual(state, smoothing)
         jacobian = term.jacobian(state, smoothing)
+        scale = np.ones(residual.shape[:2])
         if term.loss == "norm":
             squared = np.square(residual).sum(axis=-1)
             scale = (squared + max(term.epsilon(smoothing), 1e-9) ** 2) ** -0.25
@@ -52,9 +53,7 @@ def linearize(problem: Problem, state: State, smoothing: Smoothing) -> Lineariza
         diagonal += own_t @ own
         gradient += np.matvec(own_t, rows)
         if term.couples_neighbours and count > 1:
-            before = term.previous_jacobian(state)[1:]
-            if term.loss == "norm":
-                before = before * scale[1:, :, None, None]
+            before = term.previous_jacobian(state)[1:] * scale[1:, :, None, None]
             before = before.reshape(count - 1, -1, joints)
             before_t = np.swapaxes(before, 1, 2)
             diagonal[:-1] += before_t @ before

@@ -1,0 +1,132 @@
+"""Machine-readable report of a plan; its keys are documented in docs/reports.md and do not change within a version."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import RigidTransform
+
+from sbam.planning.plan import Plan
+
+REPORT_VERSION = 1
+
+
+def plan_report(plan: Plan) -> dict[str, Any]:
+    """Everything that is worth knowing of a plan beside the trajectory itself.
+
+    Args:
+        plan: a plan, whether it is ok or not.
+
+    Returns:
+        Dictionaries, lists, text, numbers, booleans and None only; numbers that are not finite become None. SI units;
+        angles whose key ends in ``_deg`` are in degrees.
+    """
+    scene, model, solution = plan.task.scene, plan.task.model, plan.solution
+    report = {
+        "report": "plan",
+        "report_version": REPORT_VERSION,
+        "ok": plan.ok,
+        "problems": plan.problems,
+        "seconds": {"total": sum(plan.seconds.values()), **plan.seconds},
+        "objective": solution.objective,
+        "objective_without_robot": plan.free_flight.objective,
+        "duration_s": plan.trajectory.duration,
+        "samples": len(plan.trajectory.time),
+        "joint_names": plan.trajectory.joint_names,
+        "checks": [
+            {"name": c.name, "ok": c.ok, "worst": c.worst, "limit": c.limit, "unit": c.unit, "where": c.where}
+            for c in plan.checks
+        ],
+        "robot": {
+            "name": plan.robot.name,
+            "T_world_base": pose_dict(plan.T_world_agent * plan.robot.T_world_base),
+        },
+        "scene": {"name": scene.name, "source": scene.source, "objects": tuple(scene.objects)},
+        "model": {
+            "name": model.name,
+            "constraint": model.constraint,
+            "mode": model.mode,
+            "demonstrations": len(model.demonstrations),
+        },
+        "synthetic": model.synthetic,
+        "roles": plan.task.binding,
+        "grasps": [
+            {
+                "hand": hand,
+                "role": role,
+                "object": plan.task.binding[role],
+                "region": grasp.region,
+                "azimuth_deg": np.degrees(grasp.azimuth),
+                "tilt_deg": np.degrees(grasp.tilt),
+                "flipped": grasp.flipped,
+                "human_distance_deg": np.degrees(grasp.human_distance),
+                "T_object_tcp": pose_dict(grasp.T_object_tcp),
+            }
+            for (role, hand), grasp in plan.grasps.items()
+        ],
+        "phases": [
+            {
+                "hand": phase.hand,
+                "name": phase.name,
+                "role": phase.role,
+                "object": plan.task.binding.get(phase.role),
+                "start_s": phase.start,
+                "end_s": phase.end,
+            }
+            for phase in plan.phases
+        ],
+        "keypoints": _keypoints(plan),
+        "solver": {
+            "name": solution.solver,
+            "starts": solution.starts,
+            "iterations": solution.iterations,
+            "seconds": solution.seconds,
+        },
+    }
+    return plain(report)
+
+
+def _keypoints(plan: Plan) -> list[dict[str, Any]]:
+    solution, model_times = plan.solution, plan.task.model.keypoint_times
+    times = np.interp(model_times, plan.clock, plan.trajectory.time)
+    return [
+        {
+            "index": index,
+            "time_s": times[index],
+            "model_time_s": model_times[index],
+            "terms": {
+                term: {group: cost[index] for group, cost in groups.items()} for term, groups in solution.terms.items()
+            },
+            "active_limits": solution.active_limits[index],
+        }
+        for index in range(len(model_times))
+    ]
+
+
+def pose_dict(T: RigidTransform) -> dict[str, Any]:
+    """A pose as ``position`` [x, y, z] in m and ``quaternion_wxyz`` (scalar first, w >= 0)."""
+    return {
+        "position": T.translation.tolist(),
+        "quaternion_wxyz": T.rotation.as_quat(canonical=True, scalar_first=True).tolist(),
+    }
+
+
+def plain(value: Any) -> Any:
+    """The same of JSON's own types: numpy's become Python's, numbers that are not finite become None."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    if isinstance(value, int | np.integer):
+        return int(value)
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    if value is None or isinstance(value, str):
+        return value
+    if isinstance(value, Sequence | set | frozenset):
+        return [plain(item) for item in value]
+    raise TypeError(f"{type(value).__name__} has no place in a report")
