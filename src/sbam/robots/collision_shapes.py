@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 OBJECT_PREFIX = "object/"
+ROUNDING = 1e-9  # m^2: squared distances are differences of squares
 
 
 class CollisionShapes:
@@ -99,8 +100,11 @@ class CollisionShapes:
         """
         first, second = pairs.T
         reach = self._radius[first] + self._radius[second] + distance
-        between = position[:, first] - position[:, second]
-        sample, pair = np.nonzero(np.einsum("bpi,bpi->bp", between, between) < reach**2)
+        centered = position - position.mean(axis=(0, 1)) if position.size else position
+        product = centered @ centered.swapaxes(1, 2)
+        square = np.einsum("bgg->bg", product)
+        apart = square[:, first] + square[:, second] - 2 * product[:, first, second]
+        sample, pair = np.nonzero(apart < reach**2 + ROUNDING)
         bound = np.full(len(sample), -np.inf)
         for one, other in ((first[pair], second[pair]), (second[pair], first[pair])):
             offset = position[sample, other] - position[sample, one]

@@ -12,7 +12,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from sbam.errors import FileFormatError, FileVersionError, UnknownNameError
 from sbam.schema import convert, read_yaml
 
-FORMAT = 1
+FORMAT_VERSION = 1
 ArmName = Literal["left", "right"]
 Positive = Annotated[float, msgspec.Meta(gt=0)]
 Vector = tuple[float, float, float]
@@ -26,11 +26,11 @@ class Pose(_Struct, frozen=True):
     """A pose: position in m; roll, pitch, yaw in degrees (R = Rz(yaw) Ry(pitch) Rx(roll))."""
 
     position: Vector = (0.0, 0.0, 0.0)
-    rpy_degrees: Vector = (0.0, 0.0, 0.0)
+    rotation_rpy_deg: Vector = (0.0, 0.0, 0.0)
 
     def transform(self) -> RigidTransform:
         """The pose as a rigid transform."""
-        rotation = Rotation.from_euler("xyz", self.rpy_degrees, degrees=True)
+        rotation = Rotation.from_euler("xyz", self.rotation_rpy_deg, degrees=True)
         return RigidTransform.from_components(self.position, rotation)
 
 
@@ -100,7 +100,7 @@ class RobotDescription(_Struct, frozen=True):
     """A robot, as its YAML file describes it (docs/robots.md).
 
     Attributes:
-        format: version of this format.
+        format_version: version of this format.
         name: name of the robot.
         parts: model files and where they are mounted in the robot's frame (x forward, y left, z up).
         base_in_agent: default pose of the robot's frame in the agent frame (x right, y forward, z up).
@@ -113,7 +113,7 @@ class RobotDescription(_Struct, frozen=True):
         path: file it was read from.
     """
 
-    format: int
+    format_version: int
     name: str
     parts: Annotated[tuple[Part, ...], msgspec.Meta(min_length=1)]
     base_in_agent: Pose
@@ -161,8 +161,8 @@ def read_description(path: str | Path) -> RobotDescription:
     content = read_yaml(path)
     if not isinstance(content, dict):
         raise FileFormatError(path, "$", f"holds {type(content).__name__}", "a mapping, see docs/robots.md")
-    if isinstance(content.get("format"), int) and content["format"] > FORMAT:
-        raise FileVersionError(path, content["format"], FORMAT)
+    if isinstance(content.get("format_version"), int) and content["format_version"] > FORMAT_VERSION:
+        raise FileVersionError(path, content["format_version"], FORMAT_VERSION)
     description = convert(content, RobotDescription, path)
     description = msgspec.structs.replace(description, path=str(path))
     _check(description)
