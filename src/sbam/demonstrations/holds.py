@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,18 +36,19 @@ REACH_MARGIN = 0.025
 """A hand holds up to this much farther from the object's axis than its median while the object moves, m."""
 REACH_STILL = 0.120
 """Largest distance to the axis of an object that is held without being moved, m."""
+COMPANION_PATH = 0.5
+"""Of two hands that go along with an object the one holds too if it does so over this part of the other's way."""
 SLIP_GAP = 0.3
 """Shorter interruptions are none, s."""
 REGRIP_GAP = 1.0
 """Holds of one object by one hand are one if the hand re-grips within this time, s."""
-SETTLED = 0.005
-"""An object that is not moved is held from when the hand is this near to its median distance, m."""
 STILL_DURATION = 0.5
 """Shortest hold of an object that is not moved, s."""
 GRASP_DELAY = 0.5
 """A hand that takes hold later than this after the object began to move took it over from another, s."""
 REST_DISTANCE = 0.002
-"""The grasp is when the object was last this close to its rest before it moved, m."""
+"""The grasp is when the object was last this close to its rest before it moved, m. An object that is not moved is
+grasped when the hand's distance is this close to its median."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,16 @@ class _Relative:
     distance: Array
 
 
+@dataclass(frozen=True)
+class _Claim:
+    """A hand goes along with a moving object for ``path`` m of its way."""
+
+    hand: Hand
+    object: str
+    span: Run
+    path: float
+
+
 def find_holds(
     demonstration: Demonstration, models: Mapping[str, ObjectModel] | ObjectLibrary | None = None
 ) -> tuple[Hold, ...]:
@@ -98,46 +109,51 @@ def find_holds(
     known = known_models(demonstration, models)
     movable = [name for name in demonstration.objects if name not in known or known[name].movable]
     motions = {name: object_motion(demonstration, name) for name in movable}
-    holds: list[Hold] = []
     if not demonstration.T_world_hand:
-        holds = [_hold_without_hand(name, motion) for name, motion in motions.items() if motion.moving]
-    else:
-        rotations = {name: demonstration.T_world_object[name].rotation for name in movable}
-        axes = {name: object_axis(known.get(name), rotations[name]) for name in movable}
+        moved = [_hold_without_hand(name, motion) for name, motion in motions.items() if motion.moving]
+        return tuple(sorted(moved, key=lambda hold: hold.start))
+    relatives: dict[tuple[Hand, str], _Relative] = {}
+    for name in movable:
+        poses = demonstration.T_world_object[name]
+        R_object_world, axis = poses.rotation.inv(), object_axis(known.get(name), poses.rotation)
         for hand, T_world_hand in demonstration.T_world_hand.items():
-            hand_position = T_world_hand.translation
-            relatives = {}
-            for name in movable:
-                from_object = hand_position - demonstration.T_world_object[name].translation
-                seen = rotations[name].inv().apply(from_object)
-                relatives[name] = _relative_motion(seen, axes[name], demonstration.time, motions[name].grid)
-            for name, span in _spans_of_hand(motions, relatives):
-                holds.append(_hold(demonstration, hand, name, motions[name].grid, span))
-    return tuple(sorted(holds, key=lambda hold: (hold.start, hold.object, hold.hand or "")))
-
-
-def _spans_of_hand(motions: Mapping[str, ObjectMotion], relatives: Mapping[str, _Relative]) -> list[tuple[str, Run]]:
-    """What one hand holds and when; of two objects at the same time the one that it carries farther."""
-    carried = [
-        (_carried_path(span, motion, relatives[name]), name, span)
-        for name, motion in motions.items()
-        if motion.moving
-        for span in _carrying(motion, relatives[name])
+            position = R_object_world.apply(T_world_hand.translation - poses.translation)
+            relatives[hand, name] = _relative_motion(position, axis, demonstration.time, motions[name].grid)
+    claims = [
+        _Claim(hand, name, span, _carried_path(span, motions[name], relative))
+        for (hand, name), relative in relatives.items()
+        for span in _carrying(motions[name], relative)
     ]
-    spans: list[tuple[str, Run]] = []
-    for _, name, span in sorted(carried, key=lambda item: -item[0]):
-        if not any(2 * _overlap(span, other) > span.stop - span.start for _, other in spans):
-            spans.append((name, span))
+    holds: list[tuple[Hand, str, Run]] = [
+        (claim.hand, claim.object, claim.span) for claim in _without_conflicts(claims, motions)
+    ]
     # A hand that carries one object does not hold another that it pauses beside.
-    busy = [span for _, span in spans]
-    for name, motion in motions.items():
-        if not motion.moving:
-            spans += [(name, span) for span in _steadying(relatives[name], busy)]
-    return spans
+    busy = {hand: [span for other, _, span in holds if other == hand] for hand in demonstration.T_world_hand}
+    for (hand, name), relative in relatives.items():
+        if not motions[name].moving:
+            holds += [(hand, name, span) for span in _steadying(relative, busy[hand])]
+    found = [_hold(demonstration, hand, name, motions[name].grid, span) for hand, name, span in holds]
+    return tuple(sorted(found, key=lambda hold: (hold.start, hold.object, hold.hand or "")))
 
 
-def _overlap(first: Run, second: Run) -> int:
-    return min(first.stop, second.stop) - max(first.start, second.start)
+def _without_conflicts(claims: Sequence[_Claim], motions: Mapping[str, ObjectMotion]) -> list[_Claim]:
+    """Of claims that exclude each other those that carry an object farther."""
+    kept: list[_Claim] = []
+    for claim in sorted(claims, key=lambda item: -item.path):
+        if not any(_excludes(other, claim, motions[claim.object]) for other in kept):
+            kept.append(claim)
+    return kept
+
+
+def _excludes(stronger: _Claim, claim: _Claim, motion: ObjectMotion) -> bool:
+    """Whether the hand holds another object then, or merely goes along for a while with what the other hand carries."""
+    common = Run(max(stronger.span.start, claim.span.start), min(stronger.span.stop, claim.span.stop))
+    if stronger.hand == claim.hand:
+        return stronger.object != claim.object and 2 * (common.stop - common.start) > claim.span.stop - claim.span.start
+    if stronger.object != claim.object or common.stop <= common.start:
+        return False
+    shared = _path(motion, common)
+    return 2 * shared > claim.path and claim.path < COMPANION_PATH * stronger.path
 
 
 def _hold_without_hand(name: str, motion: ObjectMotion) -> Hold:
@@ -186,10 +202,14 @@ def _moves(motion: ObjectMotion) -> NDArray[np.bool_]:
 
 def _carried_path(run: Run, motion: ObjectMotion, relative: _Relative) -> float:
     """Path of the object in a run, m; 0 if it is too short or if the hand does not go along."""
-    part = _moves(motion)[run.start : run.stop]
-    path = float(motion.speed[run.start : run.stop][part].sum()) / RATE
-    slip = float(relative.speed[run.start : run.stop][part].sum()) / RATE
+    path = _path(motion, run)
+    slip = float(relative.speed[run.start : run.stop][_moves(motion)[run.start : run.stop]].sum()) / RATE
     return path if path > CARRIED_PATH and slip < RELATIVE_PATH * path else 0.0
+
+
+def _path(motion: ObjectMotion, run: Run) -> float:
+    """Path of the object in a run where it moves, m."""
+    return float(motion.speed[run.start : run.stop][_moves(motion)[run.start : run.stop]].sum()) / RATE
 
 
 def _grasp(motion: ObjectMotion, move: Run, span: Run) -> int:
@@ -214,7 +234,7 @@ def _steadying(relative: _Relative, busy: list[Run]) -> list[Run]:
     for span in bridge(true_runs(holds), REGRIP_GAP):
         if span.start > 0 and span.stop < len(holds):
             distance = relative.distance[span.start : span.stop]
-            settled = Run(span.start + int(np.argmax(distance < np.median(distance) + SETTLED)), span.stop)
+            settled = Run(span.start + int(np.argmax(distance < np.median(distance) + REST_DISTANCE)), span.stop)
             if settled.stop - settled.start >= STILL_DURATION * RATE:
                 spans.append(settled)
     return spans
