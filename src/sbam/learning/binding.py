@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from sbam.demonstrations.demonstration import Demonstration
+from sbam.demonstrations.events import object_motion
 from sbam.errors import BindingError, DemonstrationError, UnknownNameError
 from sbam.learning.model import Role
 from sbam.learning.pairs import candidate_pairs
@@ -18,13 +19,23 @@ Library = ObjectLibrary | Mapping[str, ObjectModel]
 
 
 def demonstrated_models(demonstration: Demonstration, library: Library) -> dict[str, ObjectModel]:
-    """Object models of all objects in a demonstration; raises `UnknownNameError` that names the demonstration."""
+    """Object models of the objects in a demonstration, without those unknown ones that never move.
+
+    Raises:
+        UnknownNameError: if the library lacks an object that moves; names the demonstration.
+    """
     known = tuple(library)
-    for name in demonstration.objects:
-        if name not in known:
-            where = f"demonstration {demonstration.name!r}; the object library holds no such model"
+    for name in unknown_objects(demonstration, library):
+        if object_motion(demonstration, name).moving:
+            where = f"demonstration {demonstration.name!r}, where it moves; the object library holds no such model"
             raise UnknownNameError("object", name, known, where)
-    return {name: library[name] for name in demonstration.objects}
+    return {name: library[name] for name in demonstration.objects if name in known}
+
+
+def unknown_objects(demonstration: Demonstration, library: Library) -> tuple[str, ...]:
+    """Names of the objects in a demonstration that the library lacks."""
+    known = tuple(library)
+    return tuple(name for name in demonstration.objects if name not in known)
 
 
 def involved_objects(models: Mapping[str, ObjectModel], settings: LearningSettings) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from sbam.learning.binding import (
     demonstrated_models,
     involved_objects,
     new_roles,
+    unknown_objects,
 )
 from sbam.learning.generalization import GeneralizedChange
 from sbam.learning.hand_holds import hand_holds
@@ -136,7 +137,11 @@ def _sketch(
     sketch = sketch_demonstration(demonstration, objects, models, constraint, settings)
     if not any(role.moves for role in sketch.roles):
         raise DemonstrationError(demonstration.name, f"none of its objects ({', '.join(objects.values())}) moves")
-    return sketch
+    notes = tuple(
+        f"{name} of {demonstration.name} is not in the object library and does not move: left out"
+        for name in unknown_objects(demonstration, library)
+    )
+    return replace(sketch, notes=notes)
 
 
 @dataclass(frozen=True)
@@ -263,7 +268,7 @@ def _assembled(
         synthetic=any(sketch.synthetic for sketch in sketches),
         demonstrations=sketches,
         settings=settings,
-        notes=axis.anchors.notes,
+        notes=axis.anchors.notes + tuple(note for sketch in sketches for note in sketch.notes),
     )
 
 

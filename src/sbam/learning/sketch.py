@@ -90,6 +90,7 @@ class DemonstrationSketch:
         events: what the objects did; `Event.object` is the role.
         holds: who held what.
         candidates: keypoint candidates of every pair; empty where a model only keeps generalised changes.
+        notes: what was left out and why, a sentence each.
     """
 
     name: str
@@ -99,6 +100,7 @@ class DemonstrationSketch:
     events: tuple[Event, ...]
     holds: tuple[SketchedHold, ...]
     candidates: tuple[PairCandidates, ...]
+    notes: tuple[str, ...] = ()
 
     def without_candidates(self) -> DemonstrationSketch:
         """The same without the keypoint candidates."""
