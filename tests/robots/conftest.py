@@ -48,7 +48,7 @@ def arm_yaml(side: str) -> str:
 
 
 JOINTS = ["lift", "yaw", *(f"{side}_{joint}" for side in ("left", "right") for joint in ("shoulder", "elbow", "wrist"))]
-DESCRIPTION = f"""format: 1
+DESCRIPTION = f"""format_version: 1
 name: torso_robot
 parts: [{{model: torso.xml}}]
 base_in_agent: {{position: [0, -0.5, -1.0]}}

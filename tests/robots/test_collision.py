@@ -105,6 +105,23 @@ def test_home_is_free_and_its_base_may_stand_on_the_table(robot, collisions):
     assert report.pair_by_class["arm-support"] == (None,)
 
 
+def test_stored_postures_do_not_touch_themselves(robot, collisions):
+    seeds = robot.home.copy()
+    for arm in robot.arms.values():
+        seeds[arm.joint_indices] = arm.ik_seeds[0]
+    report = collisions.clearances(np.array([robot.home, seeds]), POSES)
+    assert (report.distance > 0.02).all()
+
+
+def test_folded_wrist_touches_the_forearm(robot, collisions):
+    """With joint 6 near its lower limit the hand lies beside the forearm, turned so that the palm meets it."""
+    folded = robot.home.copy()
+    folded[[5, 6]] = 0.0, -np.pi / 4
+    report = collisions.clearances(folded[None], POSES)
+    assert report.distance_by_class["self"][0] < 0
+    assert set(report.pair_by_class["self"][0]) == {"left_link5", "left_hand"}
+
+
 def grasp_of_cup(robot):
     """A cup in the left hand at home, and the juice in the way of the right hand."""
     kinematics = robot.kinematics(robot.home[None], ["left_tcp", "right_tcp"])

@@ -65,7 +65,8 @@ URDF = """<robot name="arm">
 <link name="upper"><collision><origin xyz="0 0 0.1"/><geometry><box size="0.1 0.1 0.2"/></geometry></collision></link>
 <link name="fore"/><link name="hand"/><link name="tool"/>
 <joint name="lift" type="prismatic"><parent link="basement"/><child link="lift"/>
-  <origin xyz="0 0 0.5" rpy="0.1 0.2 0.3"/>  <axis xyz="0 0 1"/><limit lower="-0.1" upper="0.2" effort="1" velocity="1"/></joint>
+  <origin xyz="0 0 0.5" rpy="0.1 0.2 0.3"/>
+  <axis xyz="0 0 1"/><limit lower="-0.1" upper="0.2" effort="1" velocity="1"/></joint>
 <joint name="shoulder" type="continuous"><parent link="lift"/><child link="upper"/><origin xyz="0.1 0 0" rpy="1 0 0"/>
   <axis xyz="0 0.6 0.8"/></joint>
 <joint name="elbow" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="0 0 0.3" rpy="0 -0.4 0"/>
@@ -83,15 +84,16 @@ def urdf_robot(tmp_path):
     sides = "".join(
         f"""
   {s}: {{joints: [{s}_lift, {s}_shoulder, {s}_elbow], tcp: {s}_tool,
-    shoulder: {s}_upper, elbow: {s}_fore, wrist: {s}_hand, length: 0.7, hand: {{body: {s}_hand, approach: [0, 0, 1], opening: [0, 1, 0], max_width: 0.1}}}}"""
+    shoulder: {s}_upper, elbow: {s}_fore, wrist: {s}_hand, length: 0.7, hand: {{
+      body: {s}_hand, approach: [0, 0, 1], opening: [0, 1, 0], max_width: 0.1}}}}"""
         for s in ("left", "right")
     )
     joints = ", ".join(f"{s}_{j}: {JOINT}" for s in ("left", "right") for j in ("lift", "shoulder", "elbow"))
-    (tmp_path / "robot.yaml").write_text(f"""format: 1
+    (tmp_path / "robot.yaml").write_text(f"""format_version: 1
 name: urdf_robot
 parts:
   - {{model: arm.urdf, prefix: left_, position: [0, 0.3, 0]}}
-  - {{model: arm.urdf, prefix: right_, position: [0, -0.3, 0], rpy_degrees: [0, 0, 90]}}
+  - {{model: arm.urdf, prefix: right_, position: [0, -0.3, 0], rotation_rpy_deg: [0, 0, 90]}}
 base_in_agent: {{}}
 joints: {{{joints}}}
 arms:{sides}

@@ -19,7 +19,7 @@ def test_built_in_robots_load(name):
 @pytest.mark.parametrize(
     ("changes", "error", "message"),
     [
-        ({"format: 1": "format: 2"}, FileVersionError, "version 2 is later than 1"),
+        ({"format_version: 1": "format_version: 2"}, FileVersionError, "version 2 is later than 1"),
         ({"name: torso_robot": "nam: torso_robot"}, FileFormatError, r"torso.yaml"),
         ({"torso_joints": "torso_joint"}, FileFormatError, r"torso_joint.*torso_joints"),
         ({"velocity: 1.7": "velocity: fast"}, FileFormatError, r"\$.joints"),
