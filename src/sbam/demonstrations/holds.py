@@ -46,6 +46,8 @@ STILL_DURATION = 0.5
 """Shortest hold of an object that is not moved, s."""
 GRASP_DELAY = 0.5
 """A hand that takes hold later than this after the object began to move took it over from another, s."""
+HOLD_FRAMES = 100
+"""As many frames of a hold at most, evenly spread, give the pose of the hand."""
 REST_DISTANCE = 0.002
 """The grasp is when the object was last this close to its rest before it moved, m. An object that is not moved is
 grasped when the hand's distance is this close to its median."""
@@ -124,15 +126,13 @@ def find_holds(
         for (hand, name), relative in relatives.items()
         for span in _carrying(motions[name], relative)
     ]
-    holds: list[tuple[Hand, str, Run]] = [
-        (claim.hand, claim.object, claim.span) for claim in _without_conflicts(claims, motions)
-    ]
+    holds = _without_conflicts(claims, motions)
     # A hand that carries one object does not hold another that it pauses beside.
-    busy = {hand: [span for other, _, span in holds if other == hand] for hand in demonstration.T_world_hand}
+    busy = {hand: [claim.span for claim in holds if claim.hand == hand] for hand in demonstration.T_world_hand}
     for (hand, name), relative in relatives.items():
         if not motions[name].moving:
-            holds += [(hand, name, span) for span in _steadying(relative, busy[hand])]
-    found = [_hold(demonstration, hand, name, motions[name].grid, span) for hand, name, span in holds]
+            holds += [_Claim(hand, name, span, 0.0) for span in _steadying(relative, busy[hand])]
+    found = [_hold(demonstration, claim, motions[claim.object].grid) for claim in holds]
     return tuple(sorted(found, key=lambda hold: (hold.start, hold.object, hold.hand or "")))
 
 
@@ -240,12 +240,16 @@ def _steadying(relative: _Relative, busy: list[Run]) -> list[Run]:
     return spans
 
 
-def _hold(demonstration: Demonstration, hand: Hand, name: str, grid: Array, span: Run) -> Hold:
-    start, end = float(grid[span.start]), float(grid[span.stop - 1])
+def _hold(demonstration: Demonstration, claim: _Claim, grid: Array) -> Hold:
+    start, end = float(grid[claim.span.start]), float(grid[claim.span.stop - 1])
     held = np.flatnonzero((demonstration.time >= start) & (demonstration.time <= end))
     if not len(held):
         held = np.array([np.abs(demonstration.time - start).argmin()])
-    poses = demonstration.T_world_object[name][held].inv() * demonstration.T_world_hand[hand][held]
+    held = held[:: -(-len(held) // HOLD_FRAMES)]
+    T_object_world = demonstration.T_world_object[claim.object][held].inv()
+    poses = T_object_world * demonstration.T_world_hand[claim.hand][held]
     position = np.median(poses.translation, axis=0)
     spread = float(np.sqrt(np.mean(np.sum((poses.translation - position) ** 2, axis=1))))
-    return Hold(hand, name, start, end, RigidTransform.from_components(position, poses.rotation.mean()), spread)
+    return Hold(
+        claim.hand, claim.object, start, end, RigidTransform.from_components(position, poses.rotation.mean()), spread
+    )
