@@ -112,7 +112,13 @@ def _mend(track: Track, body: str, demonstration: str) -> tuple[Track, list[str]
     step = np.diff(track.time)
     usual = float(np.median(step))
     notes = list(found)
-    for k in np.flatnonzero(step > np.maximum(1.5 * usual, MAX_GAP if len(step) == 1 else 0.0)):
+    if usual > MAX_GAP:
+        raise DemonstrationError(
+            demonstration,
+            f"{body} has one pose every {usual:.3g} s only, while it moves",
+            f"record at least one every {MAX_GAP:g} s; time stamps must be in seconds",
+        )
+    for k in np.flatnonzero(step > 1.5 * usual):
         start, end = track.time[k], track.time[k + 1]
         place = f"poses of {body} between {start:.2f} and {end:.2f} s are missing"
         if step[k] > MAX_GAP + 1e-6:
@@ -122,12 +128,6 @@ def _mend(track: Track, body: str, demonstration: str) -> tuple[Track, list[str]
                 "cut the recording there or track it again",
             )
         notes.append(f"{place}; interpolated")
-    if usual > MAX_GAP:
-        raise DemonstrationError(
-            demonstration,
-            f"{body} has one pose every {usual:.3g} s only, while it moves",
-            f"record at least one every {MAX_GAP:g} s; time stamps must be in seconds",
-        )
     return mended, notes
 
 

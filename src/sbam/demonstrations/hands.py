@@ -21,7 +21,7 @@ WRIST_WEIGHT = 0.1
 """Weight of the wrist against 1 of each knuckle marker: it shows where the back of the hand points, but it also moves
 when the hand bends sideways."""
 MAX_RESIDUAL = 0.05
-"""Frames with a point farther than this from its place are taken as not seen (swapped markers), m; in KIT recordings
+"""Frames with a point farther than this from its place are taken as not seen (mistaken markers), m; in KIT recordings
 bending the wrist gives up to about 0.03."""
 
 

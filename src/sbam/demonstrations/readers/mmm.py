@@ -193,14 +193,16 @@ def _read_hands(motion: Element, path: Path, where: str, found: _Found) -> list[
     if not measurements:
         return []
     time = _read_time(measurements, path, where)
-    wanted = {name for names in HAND_MARKERS.values() for name in names}
-    texts: dict[str, list[str | None]] = {}
+    texts: dict[str, list[str | None]] = {name: [None] * len(time) for hand in HAND_MARKERS.values() for name in hand}
     for k, measurement in enumerate(measurements):
         for marker in measurement:
-            name = marker.get("name")
-            if name in wanted:
-                texts.setdefault(name, [None] * len(time))[k] = marker.text
-    markers = {name: read_vectors(t, path, f"{where}, marker {name}") * 1e-3 for name, t in texts.items()}
+            if (column := texts.get(marker.get("name", ""))) is not None:
+                column[k] = marker.text
+    markers = {
+        name: read_vectors(column, path, f"{where}, marker {name}") * 1e-3
+        for name, column in texts.items()
+        if any(column)
+    }
     for points in markers.values():
         # Trackers write a marker that they lost at the world's origin.
         points[np.all(points == 0.0, axis=1)] = np.nan
