@@ -5,6 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from sbam.demonstrations.scenes import starting_scene
+from sbam.demonstrations.synthetic import built_in_demonstrations
+from sbam.learning.learn import learn
+from sbam.planning.plan import Plan, plan
+
 REPOSITORY = Path(__file__).parents[1]
 
 
@@ -15,3 +20,10 @@ def recordings_folder() -> Path:
     if not folder.is_dir():
         pytest.skip(f"third-party recordings not found at {folder}; set SBAM_DATA")
     return folder
+
+
+@pytest.fixture(scope="session")
+def small_plan() -> Plan:
+    """Pouring, learned from four of the built-in demonstrations and planned in another scene; not to be changed."""
+    model = learn(built_in_demonstrations("pouring")[::3])
+    return plan(model, starting_scene("built-in:pouring_new_layout"))
