@@ -47,7 +47,7 @@ STILL_DURATION = 0.5
 GRASP_DELAY = 0.5
 """A hand that takes hold later than this after the object began to move took it over from another, s."""
 HOLD_FRAMES = 100
-"""As many frames of a hold at most, evenly spread, give the pose of the hand."""
+"""The pose of the hand is taken from about this many frames of a hold, evenly spread."""
 REST_DISTANCE = 0.002
 """The grasp is when the object was last this close to its rest before it moved, m. An object that is not moved is
 grasped when the hand's distance is this close to its median."""
@@ -245,7 +245,7 @@ def _hold(demonstration: Demonstration, claim: _Claim, grid: Array) -> Hold:
     held = np.flatnonzero((demonstration.time >= start) & (demonstration.time <= end))
     if not len(held):
         held = np.array([np.abs(demonstration.time - start).argmin()])
-    held = held[:: -(-len(held) // HOLD_FRAMES)]
+    held = held[:: max(1, len(held) // HOLD_FRAMES)]
     T_object_world = demonstration.T_world_object[claim.object][held].inv()
     poses = T_object_world * demonstration.T_world_hand[claim.hand][held]
     position = np.median(poses.translation, axis=0)
