@@ -133,7 +133,7 @@ def _cup_motion(
     """The cup is dragged off towards the body, raised, held still, and put back; agent frame."""
     (lift, raise_time), (lower_on, lower) = schedule.cup_raise, schedule.cup_lower
     rim_height = float(cup.up @ (cup.region("pour into").center - cup.region("place").center))
-    rim = np.array([-0.01, 0.37 * person.scale, rng.normal(0.345, 0.012) * person.scale])
+    rim = np.array([-0.01, 0.37 * person.scale, rng.normal(0.35, 0.014) * person.scale])
     pouring = rim - rim_height * UP + 0.45 * (start - (-0.08, 0.45, 0.0)) * (1.0, 1.0, 0.0)
     pouring += rng.normal(0.0, (0.012, 0.012, 0.0))
     drag = np.array([rng.normal(0.0, 0.01), -rng.uniform(0.02, 0.11), rng.uniform(0.02, 0.06)])
@@ -149,8 +149,8 @@ def _cup_motion(
     while_lifted = between(time, (lift, 0.45 * raise_time), (lift + 0.4 * raise_time, 0.8 * raise_time))
     while_pouring = between(time, schedule.tilt, schedule.tilt_back)
     tilt = (
-        lean(np.deg2rad(rng.uniform(-130.0, -60.0)), np.deg2rad(rng.uniform(4.0, 17.0)) * while_lifted)
-        + lean(np.deg2rad(rng.normal(0.0, 20.0)), np.deg2rad(rng.uniform(2.0, 6.0)) * while_pouring)
+        lean(np.deg2rad(rng.uniform(-130.0, -60.0)), np.deg2rad(rng.uniform(4.0, 18.5)) * while_lifted)
+        + lean(np.deg2rad(rng.normal(0.0, 20.0)), np.deg2rad(rng.uniform(2.0, 6.5)) * while_pouring)
         + held * wander(rng, time, np.deg2rad(0.5), (0.1, 0.6))
     )
     yaw = rng.uniform(-np.pi, np.pi) + np.deg2rad(rng.normal(0.0, 5.0)) * minimum_jerk(time, lift, lower_on - lift)
@@ -180,7 +180,7 @@ def _bottle_motion(
     side = -np.array([np.cos(poured_to), np.sin(poured_to), 0.0])
     aside = np.array([-side[1], side[0], 0.0])
     beside = rng.uniform(0.07, 0.10) * side + rng.uniform(0.045, 0.07) * UP
-    over = rng.uniform(0.013, 0.024) * side + rng.normal(0.0, 0.003) * aside + rng.uniform(0.032, 0.038) * UP
+    over = rng.uniform(0.011, 0.024) * side + rng.normal(0.0, 0.003) * aside + rng.uniform(0.030, 0.038) * UP
     beside_again = rng.uniform(0.10, 0.13) * side + rng.uniform(0.04, 0.06) * UP
 
     mouth_local = bottle.region("pour from").center

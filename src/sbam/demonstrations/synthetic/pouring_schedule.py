@@ -64,7 +64,7 @@ def draw_schedule(
     left_reach, left_retreat = (0.55 + (0.4 if across else 0.25)) * tempo * draw(0.9, 1.15, 2)
     right_reach, right_retreat = (0.55 + (0.5 if across else 0.3)) * tempo * draw(0.9, 1.15, 2)
     left_closes, right_closes = draw(0.12, 0.3, 2)
-    carry = (0.60 + 0.95 * way) * draw(0.9 if across else 0.8, 1.1) * tempo
+    carry = (0.60 + 0.95 * way) * draw(0.9 if across else 0.75, 1.1) * tempo
 
     lag = carry * draw(0.5, 0.6) + 0.75 * tempo if across else -draw(0.1, 0.85) * tempo  # of the cup
     bottle_lift = draw(0.25, 0.5) + max(right_closes + right_reach, left_closes + left_reach - lag)
@@ -72,10 +72,11 @@ def draw_schedule(
     raise_cup = draw(1.35, 1.65) * tempo * (0.92 if across else 1.0)
 
     # The tilt begins under way, but the mouth must have arrived, and the cup nearly so, before liquid flows.
-    tilt_up, tilt_down = PEAK_SPEED_RATIO * tilt / np.deg2rad(draw(170.0, 245.0, 2))
+    tilt_up = PEAK_SPEED_RATIO * tilt / np.deg2rad(draw(140.0, 235.0))
+    tilt_down = PEAK_SPEED_RATIO * tilt / np.deg2rad(draw(165.0, 245.0))
     arrival = draw(0.25, 0.52) * tilt_up
     tilt_on = max(
-        bottle_lift + draw(0.15, 0.9) * tempo,
+        bottle_lift + draw(0.1, 0.8) * tempo,
         bottle_lift + carry - arrival,
         cup_lift + raise_cup - 0.6 * tilt_up,
     )

@@ -103,11 +103,11 @@ def generate_rolling(
 def _schedule(rng: np.random.Generator, person: Person, strokes: int) -> _Schedule:
     draw = rng.uniform
     tempo = person.tempo * draw(0.92, 1.08)
-    lift, carry = draw(1.0, 1.5) * tempo, draw(0.75, 0.95) * tempo
+    lift, carry = draw(1.0, 1.4) * tempo, draw(0.75, 0.95) * tempo
     clock = lift + carry + draw(0.05, 0.2)
     half_strokes = []
     for k in range(2 * strokes - 1):
-        length = (draw(0.70, 0.90) if k == 0 else draw(0.53, 0.61)) * tempo
+        length = (draw(0.70, 0.90) if k == 0 else draw(0.50, 0.60)) * tempo
         half_strokes.append((clock, length))
         clock += 0.87 * length
     back = draw(0.95, 1.2) * tempo
@@ -116,9 +116,9 @@ def _schedule(rng: np.random.Generator, person: Person, strokes: int) -> _Schedu
     for hand in SIDES:
         grasp, leave = lift - draw(0.1, 0.25), place + draw(0.15, 0.3)
         hands[hand] = HandTimes(
-            grasp - draw(0.65, 0.8) * tempo, grasp, lift, place, leave, leave + draw(0.65, 0.85) * tempo
+            grasp - draw(0.65, 0.8) * tempo, grasp, lift, place, leave, leave + draw(0.6, 0.8) * tempo
         )
-    end = max(times.rest for times in hands.values()) + draw(0.3, 0.7)
+    end = max(times.rest for times in hands.values()) + draw(0.2, 0.6)
     return _Schedule(hands, (lift, carry), tuple(half_strokes), (clock, back), end)
 
 
@@ -132,12 +132,12 @@ def _pin_motion(
     radius = max(float(part.size[0]) for part in pin.geometry)
 
     start = np.array([0.0, 0.55 * person.scale, radius]) + rng.normal(0.0, (0.015, 0.008, 0.0))
-    near = np.array([rng.normal(0.0, 0.008), draw(0.27, 0.30) * person.scale, radius])
+    near = np.array([rng.normal(0.0, 0.008), draw(0.255, 0.295) * person.scale, radius])
     stroke = np.array([0.0, draw(0.130, 0.155), 0.0])
     movements = list(reach(rng, lift, carry, near - start, horizontal=(0.08, 1.0)))
     here = near
     for k, (onset, duration) in enumerate(schedule.strokes):
-        there = near + (stroke if k % 2 == 0 else 0.0) + rng.normal(0.0, (0.008, 0.008, 0.0))
+        there = near + (stroke if k % 2 == 0 else 0.0) + rng.normal(0.0, (0.008, 0.011, 0.0))
         movements.append(SubMovement(onset, duration, there - here))
         here = there
     movements += reach(rng, back_on, back, put_back(rng, start) - here, horizontal=(0.0, 0.95))
@@ -148,7 +148,7 @@ def _pin_motion(
     hop_in = between(time, (lift, 0.55 * carry), (lift + 0.45 * carry, 0.9 * carry))
     hop_out = between(time, (back_on, 0.5 * back), (back_on + 0.45 * back, 0.55 * back))
     # Dough lies under the pin: pressed thinner by and by, and pressed less when drawn back.
-    dough = draw(0.005, 0.007) - 0.002 * minimum_jerk(time, first, back_on - first)
+    dough = draw(0.0045, 0.0065) - 0.002 * minimum_jerk(time, first, back_on - first)
     dough -= 0.0015 * np.tanh(np.gradient(position[:, 1], time) / 0.15)
     position[:, 2] += draw(0.028, 0.040) * hop_in + draw(0.022, 0.032) * hop_out + rolling * dough
     position[:, 0] += rolling * wander(rng, time, 0.006, (0.1, 0.3), 1)[:, 0]
@@ -157,12 +157,12 @@ def _pin_motion(
 
     degrees = np.pi / 180.0
     yaw = degrees * (rng.normal(0.0, 1.5) + rng.normal(0.0, 1.5) * minimum_jerk(time, lift, place - lift))
-    yaw += rolling * degrees * wander(rng, time, draw(3.0, 5.5), (0.15, 0.5), 1)[:, 0]
+    yaw += rolling * degrees * wander(rng, time, draw(3.5, 6.5), (0.15, 0.5), 1)[:, 0]
     pitch = (hop_in + hop_out) * degrees * rng.normal(0.0, 1.0)
     pitch += rolling * degrees * wander(rng, time, 0.25, (0.3, 1.2), 1)[:, 0]
     roll = degrees * (draw(-25.0, 25.0) + rolling * wander(rng, time, 3.0, (0.4, 1.2), 1)[:, 0])
-    roll -= degrees * draw(20.0, 75.0) * minimum_jerk(time, lift + 0.9 * carry, draw(0.7, 0.9))  # a better grip
-    roll -= degrees * draw(15.0, 35.0) * minimum_jerk(time, first, back_on - first)
+    roll -= degrees * draw(20.0, 80.0) * minimum_jerk(time, lift + 0.9 * carry, draw(0.7, 0.9))  # a better grip
+    roll -= degrees * draw(15.0, 40.0) * minimum_jerk(time, first, back_on - first)
     turn = about("z", yaw) * about("y", pitch) * about("x", roll) * upright(pin.up)
     return RigidTransform.from_components(position, turn), yaw
 
@@ -180,7 +180,7 @@ def _hands(
     poses: dict[Hand, RigidTransform] = {}
     follow = about("z", yaw)
     for hand in SIDES:
-        on_handle = pin.region(f"handle {hand}").center * (1.0 - rng.uniform(0.01, 0.09))
+        on_handle = pin.region(f"handle {hand}").center * (1.0 - rng.uniform(0.01, 0.11))
         above = np.array([rng.normal(0.0, 0.003), -rng.uniform(0.008, 0.02), rng.uniform(0.035, 0.045)])
         reached = T_agent_pin.translation[:, 1] - T_agent_pin.translation[:, 1].min()
         wrist = lean(0.5 * np.pi, np.deg2rad(rng.normal(4.0, 3.0) + 40.0 * reached))
