@@ -1,6 +1,6 @@
 """Events: what an object does that can be recognised in every demonstration of a task, without knowing the task.
 
-An object is lifted, placed, turns back (strokes) and tilts. Method and thresholds: docs, "Anchors"; measured on
+An object is lifted, placed, turns back (strokes) and tilts. Method: docs, "Time and anchors"; thresholds measured on
 pouring and rolling, synthetic and real.
 """
 
