@@ -28,6 +28,7 @@ from sbam.learning.model import ActionModel, Anchor, Role
 from sbam.learning.pairs import pairs_that_move
 from sbam.learning.settings import LearningSettings
 from sbam.learning.sketch import ChannelCandidates, DemonstrationSketch, PairCandidates, sketch_demonstration
+from sbam.learning.stroke_cutting import equalize_sketches
 from sbam.learning.time_alignment import warp
 from sbam.scene.object_library import ObjectLibrary
 
@@ -166,17 +167,21 @@ def _build(
     name: str, constraint: str, settings: LearningSettings, sketches: tuple[DemonstrationSketch, ...]
 ) -> ActionModel:
     """Generalise all sketches, in their order."""
-    axis = _time_axis(sketches, settings)
-    pairs = _watched_pairs(sketches, settings)
+    used, notes = sketches, ()
+    if settings.time_alignment == "events" and settings.equalize_strokes:
+        used, notes = equalize_sketches(sketches, settings)
+    axis = _time_axis(used, settings)
+    pairs = _watched_pairs(used, settings)
     changes: tuple[GeneralizedChange, ...] = ()
-    for index, sketch in enumerate(sketches):
+    for index, sketch in enumerate(used):
         candidates = [
             _aligned(candidate, axis.anchors.times[index], axis.model)
             for candidate in sketch.candidates
             if candidate.pair in pairs
         ]
         changes = _generalized(changes, candidates, index + 1, settings, axis.model)
-    return _assembled(name, constraint, settings, sketches, changes, axis)
+    model = _assembled(name, constraint, settings, used, changes, axis)
+    return replace(model, demonstrations=sketches, notes=notes + model.notes)
 
 
 def _extended(

@@ -18,6 +18,8 @@ class LearningSettings:
         mode: the weights that the planner gives to the constraints (see `sbam.constraints.ConstraintType`).
         time_alignment: ``events`` maps recurring events (lift, tilt, place...) onto their mean times, ``phase`` only
             start and end, ``seconds`` leaves times as they are.
+        equalize_strokes: with ``events``, cut whole cycles from demonstrations with more strokes than the median and
+            leave out those with fewer.
         pairs: ``functional`` pairs by affordance names, or ``all`` unordered pairs of regions.
         own_start_pairs: also pair each region of a moved object with its own place at the start.
         upright_as_cartesian: cylindrical models see same-object pairs along the upright axis as Cartesian, because
@@ -39,6 +41,7 @@ class LearningSettings:
 
     mode: Mode = "default"
     time_alignment: Literal["events", "phase", "seconds"] = "events"
+    equalize_strokes: bool = True
     pairs: Literal["functional", "all"] = "functional"
     own_start_pairs: bool = True
     upright_as_cartesian: bool = True
@@ -70,6 +73,7 @@ class LearningSettings:
         return cls(
             mode="paper",
             time_alignment="seconds",
+            equalize_strokes=False,
             pairs="all",
             own_start_pairs=False,
             upright_as_cartesian=False,

@@ -1,0 +1,80 @@
+import numpy as np
+import pytest
+
+from sbam.demonstrations.synthetic import generate_rolling
+from sbam.learning import LearningSettings, add_demonstration, learn
+from sbam.learning.stroke_cutting import cut_sketch, equalize_sketches
+from sbam.learning.strokes import strokes
+
+SETTINGS = LearningSettings.default()
+
+
+@pytest.fixture(scope="module")
+def unequal():
+    return [generate_rolling(seed, strokes=count) for seed, count in enumerate((5, 5, 6, 5, 3))]
+
+
+def reversals(sketch):
+    return len(strokes(sketch.events, "handle_left"))
+
+
+def test_longer_ones_are_cut_and_shorter_ones_left_out(unequal):
+    sketches = learn(unequal).demonstrations
+    counts = [reversals(sketch) for sketch in sketches]
+    assert counts[2] >= counts[0] + 2 > counts[4] + 2
+    kept, notes = equalize_sketches(sketches, SETTINGS)
+    assert [sketch.name for sketch in kept] == [sketch.name for sketch in sketches[:4]]
+    assert max(map(reversals, kept)) - min(map(reversals, kept)) <= 1
+    assert any("left out" in note and sketches[4].name in note for note in notes)
+    assert any("cut" in note and sketches[2].name in note for note in notes)
+    assert kept[0] is sketches[0]
+    cut = kept[2]
+    assert cut.duration < sketches[2].duration
+    for pair in cut.candidates:
+        for channel in pair.channels:
+            assert np.all(np.diff(channel.time) > 0)
+            assert channel.time[-1] == pytest.approx(cut.duration)
+
+
+def test_the_model_has_the_strokes_of_most_demonstrations(unequal):
+    model, equal = learn(unequal), learn([unequal[i] for i in (0, 1, 3)])
+    count = sum(anchor.kind == "reversal" for anchor in equal.anchors)
+    assert count >= 8
+    assert sum(anchor.kind == "reversal" for anchor in model.anchors) == pytest.approx(count, abs=1)
+    assert any("left out" in note for note in model.notes)
+    assert len(model.demonstrations) == 5
+    amplitudes = []
+    for one in (model, equal):
+        change = next(c for c in one.changes if c.pair.is_own_start)
+        mean, _ = change.at(one.keypoint_times)
+        amplitudes.append(np.abs(np.diff(mean[:, 1])).sum())
+    assert amplitudes[0] == pytest.approx(amplitudes[1], rel=0.15)
+
+
+def test_adding_is_learning_at_once(unequal):
+    model = learn(unequal[:3])
+    for demonstration in unequal[3:]:
+        model = add_demonstration(model, demonstration)
+    again = learn(unequal)
+    np.testing.assert_array_equal(model.keypoint_times, again.keypoint_times)
+    for one, other in zip(model.changes, again.changes, strict=True):
+        for channel, copy in zip(one.channels, other.channels, strict=True):
+            np.testing.assert_array_equal(channel.mean, copy.mean)
+            np.testing.assert_array_equal(channel.std, copy.std)
+
+
+def test_a_cut_removes_what_is_between(unequal):
+    sketch = learn(unequal[:1]).demonstrations[0]
+    turning = [event.time for event in strokes(sketch.events, "handle_left")]
+    cut = cut_sketch(sketch, turning[1], turning[3])
+    length = turning[3] - turning[1]
+    assert cut.duration == pytest.approx(sketch.duration - length)
+    assert reversals(cut) == reversals(sketch) - 2
+    for hold, before in zip(cut.holds, sketch.holds, strict=True):
+        assert hold.grasp == before.grasp and hold.release == pytest.approx(before.release - length)
+
+
+def test_without_strokes_nothing_changes(pouring):
+    sketches = learn(pouring[:2]).demonstrations
+    kept, notes = equalize_sketches(sketches, SETTINGS)
+    assert kept == sketches and notes == ()
