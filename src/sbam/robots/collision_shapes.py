@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import UnknownNameError
-from sbam.robots.composition import compile_spec, pose_arrays
+from sbam.robots.composition import OBJECT_PREFIX, add_objects, compile_spec
 from sbam.robots.robot import Robot
 from sbam.scene import ObjectModel
 
-if TYPE_CHECKING:
-    import mujoco
-
 Floats = NDArray[np.float64]
-OBJECT_PREFIX = "object/"
 ROUNDING = 1e-9  # m^2: squared distances are differences of squares
 
 
@@ -34,7 +29,9 @@ class CollisionShapes:
 
     def __init__(self, robot: Robot, objects: Mapping[str, ObjectModel]) -> None:
         self._robot = robot
-        self.model = _compose(robot, objects)
+        spec = robot.spec()
+        add_objects(spec, objects)
+        self.model = compile_spec(spec, robot.description.path)
         model = self.model
         # shapes that touch nothing (contype = conaffinity = 0) are for drawing only
         self.geoms = np.flatnonzero((model.geom_contype | model.geom_conaffinity) != 0)
@@ -113,23 +110,3 @@ class CollisionShapes:
             bound = np.maximum(bound, np.linalg.norm(outside, axis=1) - self._radius[other])
         keep = bound < distance
         return sample[keep], pair[keep], np.where(bound > 0, bound, -np.inf)[keep]
-
-
-def _compose(robot: Robot, objects: Mapping[str, ObjectModel]) -> mujoco.MjModel:
-    import mujoco
-
-    types: dict[str, Any] = {
-        "box": mujoco.mjtGeom.mjGEOM_BOX,
-        "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
-        "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
-        "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
-    }
-    spec = robot.spec()
-    for name, model in objects.items():
-        body = spec.worldbody.add_body(name=OBJECT_PREFIX + name, mocap=True)
-        for primitive in model.geometry:
-            size = np.zeros(3)
-            size[: len(primitive.size)] = primitive.size
-            position, quaternion_wxyz = pose_arrays(primitive.T_object_primitive)
-            body.add_geom(type=types[primitive.kind], size=size, pos=position, quat=quaternion_wxyz)
-    return compile_spec(spec, robot.description.path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,12 +12,16 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from sbam.errors import FileFormatError, UnknownNameError
 from sbam.robots.description import RobotDescription
 from sbam.robots.urdf import read_urdf
+from sbam.scene import ObjectModel
 
 if TYPE_CHECKING:
     import mujoco
 
 BASE = "base"
 """Name of the body that carries all parts; its frame is the robot's frame."""
+
+OBJECT_PREFIX = "object/"
+"""Before the name of a scene's object, the name of its body."""
 
 UNNAMED = "unnamed/"
 """MuJoCo warns of an empty prefix: a part without one is mounted with this and loses it afterwards."""
@@ -57,6 +62,32 @@ def compose(description: RobotDescription, T_world_base: RigidTransform, *, lock
     if lock:
         _lock(spec, description)
     return spec
+
+
+def add_objects(spec: mujoco.MjSpec, objects: Mapping[str, ObjectModel]) -> None:
+    """Add a scene's objects to a robot's model: bodies (mocap) that are set from outside, with colours.
+
+    Args:
+        spec: a robot's model, see `sbam.robots.Robot.spec`; it is changed.
+        objects: object name in the scene -> its model. The bodies are called `OBJECT_PREFIX` + name.
+    """
+    import mujoco
+
+    types = {
+        "box": mujoco.mjtGeom.mjGEOM_BOX,
+        "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+        "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
+        "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
+    }
+    for name, model in objects.items():
+        body = spec.worldbody.add_body(name=OBJECT_PREFIX + name, mocap=True)
+        for primitive in model.geometry:
+            size = np.zeros(3)
+            size[: len(primitive.size)] = primitive.size
+            position, quaternion_wxyz = pose_arrays(primitive.T_object_primitive)
+            body.add_geom(
+                type=types[primitive.kind], size=size, pos=position, quat=quaternion_wxyz, rgba=primitive.rgba
+            )
 
 
 def pose_arrays(T: RigidTransform) -> tuple[np.ndarray, np.ndarray]:
