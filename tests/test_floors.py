@@ -30,8 +30,11 @@ BELOW: Mapping[str, set[str]] = {
     "viewer": PLANNING,
     "export": PLANNING,
     "plots": PLANNING,
+    "results": ALL,
+    "demo": ALL | {"results"},
     "": ALL,  # sbam/__init__.py, the public API on one screen
-    "cli": ALL | {""},
+    "console": {"errors", "files"},
+    "cli": ALL | {"", "results", "demo", "console"},
     "__main__": {"cli"},
 }
 """Room (folder or file directly in the package) -> the rooms that it may import from, beside itself."""

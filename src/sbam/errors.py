@@ -66,6 +66,7 @@ class OutputError(SbamError):
     """A file that could not be written; nothing half-written is left behind."""
 
     def __init__(self, path: str | Path, problem: str) -> None:
+        self.path, self.problem = Path(path), problem
         super().__init__(f"cannot write {path}: {problem}; nothing was left at that place")
 
 

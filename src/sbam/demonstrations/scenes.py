@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from sbam.demonstrations.demonstration import Demonstration
+from sbam.demonstrations.events import objects_that_move
 from sbam.demonstrations.loading import BUILT_IN, load
 from sbam.errors import DemonstrationError, UnknownNameError
 from sbam.scene import ObjectLibrary, Scene, built_in_scene, built_in_scene_names, load_scene
@@ -15,21 +16,25 @@ SCENE_SUFFIXES = (".yaml", ".yml")
 def scene_from_demonstration(demonstration: Demonstration, library: ObjectLibrary | None = None) -> Scene:
     """The scene at the first frame of a demonstration: the robot shall start where the person did.
 
+    Objects that the library lacks are left out if they never move.
+
     Args:
         demonstration: its agent frame becomes that of the scene.
         library: models of its objects; by default the built-in ones.
 
     Raises:
-        UnknownNameError: if the library lacks an object of the demonstration; lists the known ones.
+        UnknownNameError: if the library lacks an object that moves, or all of them; lists the known ones.
     """
     library = library or ObjectLibrary.built_in()
+    known = [name for name in demonstration.objects if name in library]
+    moving = objects_that_move(demonstration) if len(known) < len(demonstration.objects) else ()
     for name in demonstration.objects:
-        if name not in library:
+        if name not in library and (name in moving or not known):
             raise UnknownNameError("object", name, library.names, f"demonstration {demonstration.name!r}")
     return Scene(
         name=f"start of {demonstration.name}",
-        objects={name: library[name] for name in demonstration.objects},
-        T_world_object={name: poses[0] for name, poses in demonstration.T_world_object.items()},
+        objects={name: library[name] for name in known},
+        T_world_object={name: demonstration.T_world_object[name][0] for name in known},
         T_world_agent=demonstration.T_world_agent,
         source=demonstration.source,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from sbam.demonstrations.demonstration import Demonstration
@@ -16,6 +16,40 @@ WRITERS: Mapping[str, Callable[[Demonstration], bytes]] = {
     ".csv": kit_csv.encode,
 }
 """Suffix of the file -> encoder."""
+
+FORMAT_SUFFIXES: Mapping[str, str] = {"mmm": ".xml", "npz": ".npz", "csv": ".csv"}
+"""Short name of a format -> suffix of its files."""
+
+
+def write_demonstrations(
+    demonstrations: Sequence[Demonstration],
+    folder: str | Path,
+    file_format: str = "mmm",
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Path]:
+    """Write demonstrations into a folder, each to a file with its name.
+
+    Args:
+        demonstrations: with unique names.
+        folder: where to; made if needed.
+        file_format: one of `FORMAT_SUFFIXES`.
+        progress: called with the number of written files and of all.
+
+    Returns:
+        The files.
+
+    Raises:
+        UnknownNameError: if there is no such format.
+        OutputError: as `write_demonstration`; the files before it stay.
+    """
+    if file_format not in FORMAT_SUFFIXES:
+        raise UnknownNameError("recording format", file_format, FORMAT_SUFFIXES)
+    paths = [Path(folder) / f"{one.name}{FORMAT_SUFFIXES[file_format]}" for one in demonstrations]
+    for done, (demonstration, path) in enumerate(zip(demonstrations, paths, strict=True), 1):
+        write_demonstration(demonstration, path)
+        if progress is not None:
+            progress(done, len(paths))
+    return paths
 
 
 def write_demonstration(demonstration: Demonstration, path: str | Path) -> None:

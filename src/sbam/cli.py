@@ -1,0 +1,323 @@
+"""The command line: verbs, no logic. Each verb says what it takes, whom it asks and how its report is shown."""
+
+# A verb's docstring is its help; its methods are those of `sbam.console.running.Verb`.
+# ruff: noqa: D102
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from tyro.conf import FlagCreatePairsOff, Positional, arg
+from tyro.extras import SubcommandApp
+
+from sbam.console.running import Report, run, usage_error
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from sbam.scene.object_library import ObjectLibrary
+
+DESCRIPTION = "Teach a two-armed robot a task by showing it a few times. `sbam demo` shows all of it."
+
+app = SubcommandApp()
+recordings = SubcommandApp()
+robots = SubcommandApp()
+
+Constraints = Literal["cartesian", "cylindrical", "symbolic"]
+Mode = Literal["default", "paper"]
+Recordings = Annotated[
+    tuple[str, ...],
+    arg(
+        metavar="RECORDING...",
+        help="Files, folders of files, or built-in:pouring, built-in:rolling.",
+        help_behavior_hint="",
+    ),
+]
+ModelFile = Annotated[Path, arg(metavar="MODEL", help="A model file.")]
+Objects = Annotated[Path | None, arg(metavar="FOLDER", help="Folder with object files of your own.")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Verb:
+    json: Annotated[str | None, arg(metavar="FILE", help="Write the report as JSON; - for standard output.")] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _RecordingsVerb(_Verb):
+    recordings: Positional[Recordings]
+
+    def __post_init__(self) -> None:
+        if not self.recordings:
+            raise usage_error("give one or more recordings: files, folders, or built-in:pouring, built-in:rolling")
+
+
+@app.command(name="learn")
+@dataclass(frozen=True, kw_only=True)
+class Learn(_RecordingsVerb):
+    """Learn a model from recordings of a person doing one task."""
+
+    output: Annotated[Path, arg(aliases=["-o"], metavar="MODEL", help="Where to write the model.")]
+    constraints: Annotated[Constraints, arg(help="How the vector between two regions is seen.")] = "cartesian"
+    mode: Annotated[Mode, arg(help="The best we know, or the paper's way with its faults.")] = "default"
+    name: Annotated[str | None, arg(metavar="NAME", help="Name of the action.")] = None
+    objects: Objects = None
+
+    def __call__(self) -> Report:
+        import sbam
+        from sbam.console.progress import counting
+        from sbam.learning.report import model_report
+
+        library = _library(self.objects)
+        with counting("reading") as progress:
+            demonstrations = sbam.load(self.recordings, progress)
+        with counting("learning") as progress:
+            model = sbam.learn(demonstrations, self.constraints, self.mode, library, self.name, progress)
+        sbam.save_model(model, self.output)
+        return {"file": str(self.output), **model_report(model)}
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        from sbam.console.tables import model_line
+
+        yield f"{report['file']}: {model_line(report)}"
+
+
+@app.command(name="add")
+@dataclass(frozen=True, kw_only=True)
+class Add(_Verb):
+    """Add recordings to a model; the earlier ones are not needed."""
+
+    model: Positional[ModelFile]
+    recordings: Positional[Recordings]
+    output: Annotated[
+        Path | None, arg(aliases=["-o"], metavar="MODEL", help="Where to write the model; default: in place.")
+    ] = None
+    objects: Objects = None
+
+    def __call__(self) -> Report:
+        import sbam
+        from sbam.console.progress import counting
+        from sbam.learning.report import model_report
+
+        library = _library(self.objects)
+        model = sbam.load_model(self.model)
+        with counting("adding") as progress:
+            demonstrations = sbam.load(self.recordings)
+            for done, demonstration in enumerate(demonstrations, 1):
+                model = sbam.add_demonstration(model, demonstration, library)
+                progress(done, len(demonstrations))
+        output = self.output or self.model
+        sbam.save_model(model, output)
+        return {"file": str(output), **model_report(model)}
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        from sbam.console.tables import model_line
+
+        yield f"{report['file']}: {model_line(report)}"
+
+
+@app.command(name="show")
+@dataclass(frozen=True, kw_only=True)
+class Show(_Verb):
+    """Show what a model holds: roles, pairs by relevance, anchors, holds and keypoints."""
+
+    model: Positional[ModelFile]
+    plots: Annotated[Path | None, arg(metavar="DIR", help="Also draw the model's figures into this folder.")] = None
+
+    def __call__(self) -> Report:
+        import sbam
+        from sbam.learning.report import model_report
+
+        model = sbam.load_model(self.model)
+        report = {"file": str(self.model), **model_report(model)}
+        if self.plots:
+            from sbam.plots import write_model_plots
+
+            report["plots"] = [str(path) for path in write_model_plots(model, self.plots)]
+        return report
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        from sbam.console.tables import model_tables
+
+        yield from model_tables(report)
+        yield from (f"wrote {path}" for path in report.get("plots", ()))
+
+
+@app.command(name="plan")
+@dataclass(frozen=True, kw_only=True)
+class Plan(_Verb):
+    """Plan a learned action for a robot in a scene and write the trajectory."""
+
+    model: Positional[ModelFile]
+    scene: Annotated[
+        str,
+        arg(metavar="SCENE|RECORDING", help="A scene file, built-in:NAME, or a recording, of which the first frame."),
+    ]
+    output: Annotated[Path, arg(aliases=["-o"], metavar="DIR", help="Folder for what is written.")]
+    robot: Annotated[
+        str | None, arg(metavar="ROBOT", help="Name or file of a robot; default: the scene's, else panda_dual.")
+    ] = None
+    solver: Annotated[Mode, arg(help="The fast one, or the paper's (minutes).")] = "default"
+    roles: Annotated[
+        tuple[str, ...],
+        arg(
+            metavar="ROLE=OBJECT...",
+            help="Which object plays which role, where it is not clear.",
+            help_behavior_hint="",
+        ),
+    ] = ()
+    speed: Annotated[float, arg(help="Share of the robot's velocity limits, above 0 to 1.")] = 0.5
+    seed: Annotated[int, arg(help="Seed of the random starts.")] = 0
+    keep_failed: Annotated[bool, arg(help="Write the plan even if something is wrong with it.")] = False
+    objects: Objects = None
+
+    def __call__(self) -> Report:
+        import sbam
+        from sbam.console.progress import stages
+        from sbam.planning.report import plan_report
+        from sbam.results import write_results
+
+        roles = _choices(self.roles)
+        if not 0.0 < self.speed <= 1.0:
+            raise usage_error(f"--speed {self.speed:g} is not above 0 and at most 1")
+        model = sbam.load_model(self.model)
+        scene = sbam.load_scene(self.scene, _library(self.objects))
+        settings = sbam.PlanSettings(solver=self.solver, speed=self.speed, seed=self.seed)
+        with stages("planning") as progress:
+            plan = sbam.plan(model, scene, self.robot, settings, roles, progress)
+            files = write_results(plan, self.output, progress=progress) if plan.ok or self.keep_failed else []
+        return {**plan_report(plan), "files": [str(path) for path in files]}
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        from sbam.console.tables import plan_lines
+
+        yield from plan_lines(report)
+
+
+@recordings.command(name="list")
+@dataclass(frozen=True, kw_only=True)
+class RecordingsList(_Verb):
+    """List the built-in recordings, or those in a folder."""
+
+    folder: Positional[Annotated[Path | None, arg(metavar="FOLDER", help="Where to look.")]] = None
+
+    def __call__(self) -> Report:
+        from sbam.demonstrations.report import list_recordings
+
+        return list_recordings(self.folder)
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        from sbam.console.tables import recording_list
+
+        yield recording_list(report["where"], report["recordings"])
+        yield from (f"cannot be used: {problem}" for problem in report["unusable"])
+
+
+@recordings.command(name="info")
+@dataclass(frozen=True, kw_only=True)
+class RecordingsInfo(_RecordingsVerb):
+    """Say what is in recordings: objects, hands, events, holds, repairs, labels."""
+
+    objects: Objects = None
+
+    def __call__(self) -> Report:
+        import sbam
+        from sbam.demonstrations.report import demonstration_report
+
+        library = _library(self.objects)
+        return {"recordings": [demonstration_report(one, library) for one in sbam.load(self.recordings)]}
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        from sbam.console.tables import recording_tables
+
+        for one in report["recordings"]:
+            yield from recording_tables(one)
+
+
+@recordings.command(name="write")
+@dataclass(frozen=True, kw_only=True)
+class RecordingsWrite(_RecordingsVerb):
+    """Write recordings into a folder, also in another format."""
+
+    output: Annotated[Path, arg(aliases=["-o"], metavar="DIR", help="Folder for the files.")]
+    format: Annotated[Literal["mmm", "npz", "csv"], arg(help="MMM 2.0, our own NPZ, or KIT CSV.")] = "mmm"
+
+    def __call__(self) -> Report:
+        import sbam
+        from sbam.console.progress import counting
+        from sbam.demonstrations.writers import write_demonstrations
+
+        with counting("writing") as progress:
+            files = write_demonstrations(sbam.load(self.recordings), self.output, self.format, progress)
+        return {"files": [str(path) for path in files]}
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        yield from (f"wrote {path}" for path in report["files"])
+
+
+@robots.command(name="list")
+@dataclass(frozen=True, kw_only=True)
+class RobotsList(_Verb):
+    """List the built-in robots."""
+
+    def __call__(self) -> Report:
+        from sbam.robots.report import robot_summaries
+
+        return {"robots": robot_summaries()}
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        from sbam.console.tables import robot_list
+
+        yield robot_list(report["robots"])
+
+
+@app.command(name="demo")
+@dataclass(frozen=True, kw_only=True)
+class Demo(_Verb):
+    """Learn the built-in pouring demonstrations, plan a new scene on two Pandas, write everything there is to see."""
+
+    output: Annotated[Path, arg(aliases=["-o"], metavar="DIR", help="Folder for what is written.")] = Path("out/demo")
+    constraints: Annotated[Constraints, arg(help="How the vector between two regions is seen.")] = "cartesian"
+
+    def __call__(self) -> Report:
+        from sbam.console.progress import stages
+        from sbam.demo import run_demo
+
+        with stages("demo") as progress:
+            return run_demo(self.output, self.constraints, progress)
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        from sbam.console.tables import demo_lines
+
+        yield from demo_lines(report)
+
+
+app.command(recordings, name="recordings", help="List, describe or write recordings.")
+app.command(robots, name="robots", help="List robots.")
+
+
+def _library(folder: Path | None) -> ObjectLibrary:
+    from sbam.scene.object_library import ObjectLibrary
+
+    return ObjectLibrary.built_in().with_folder(folder) if folder else ObjectLibrary.built_in()
+
+
+def _choices(texts: Sequence[str]) -> dict[str, str]:
+    pairs = [text.partition("=") for text in texts]
+    for text, (role, equals, name) in zip(texts, pairs, strict=True):
+        if not (role and equals and name):
+            raise usage_error(f"--roles {text!r} is not of the form ROLE=OBJECT")
+    return {role: name for role, _, name in pairs}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code, and leaves with 2 through `SystemExit` for wrong usage."""
+    verb = app.cli(prog="sbam", description=DESCRIPTION, args=arguments, config=(FlagCreatePairsOff,))
+    return run(verb)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

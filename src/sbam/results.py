@@ -1,0 +1,90 @@
+"""Everything there is to hand on of a plan, in one folder: trajectory, report, recording to look at."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+
+from sbam.errors import OutputError
+from sbam.planning.plan import Plan
+
+FORMATS = ("npz", "csv")
+
+
+def write_results(
+    plan: Plan,
+    folder: str | Path,
+    formats: Iterable[str] = FORMATS,
+    further: Iterable[Callable[[Path], object]] = (),
+    progress: Callable[[str], None] | None = None,
+) -> list[Path]:
+    """Write a plan's trajectory, its report and a self-contained recording; all of them, or nothing.
+
+    Args:
+        plan: the plan, whether it is ok or not.
+        folder: where to; made if needed. Other files in it stay.
+        formats: of the trajectory, see `sbam.export.TRAJECTORY_FORMATS`.
+        further: functions that write more into a folder that they are given.
+        progress: called with the name of each stage as it begins.
+
+    Returns:
+        The files that were written.
+
+    Raises:
+        OutputError: if a file cannot be written; then none is.
+    """
+    import json
+
+    from sbam.export import write_plan
+    from sbam.planning.report import plan_report
+    def say(stage: str) -> None:
+        if progress:
+            progress(stage)
+
+    def write(draft: Path) -> None:
+        say("trajectory")
+        write_plan(plan, draft, formats, allow_problems=True)
+        (draft / "report.json").write_text(json.dumps(plan_report(plan), indent=1) + "\n", encoding="utf-8")
+        say("recording")
+        with suppress(ModuleNotFoundError):
+            from sbam.viewer.recording import write_recording
+
+            write_recording(plan, draft / "recording.html")
+        for one in further:
+            one(draft)
+
+    return write_folder(Path(folder), write)
+
+
+def write_folder(folder: Path, write: Callable[[Path], object]) -> list[Path]:
+    """Let ``write`` fill a draft beside ``folder``, then move its files there; if it fails, nothing is left behind.
+
+    Returns:
+        The files, sorted, where they are in the end.
+    """
+    missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
+    draft: Path | None = None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        draft = Path(tempfile.mkdtemp(dir=folder, prefix=".draft."))
+        write(draft)
+        files = sorted(path.relative_to(draft) for path in draft.rglob("*") if path.is_file())
+        for file in files:
+            (folder / file).parent.mkdir(parents=True, exist_ok=True)
+            os.replace(draft / file, folder / file)
+        missing.clear()
+        return [folder / file for file in files]
+    except OutputError as error:
+        raise OutputError(folder, error.problem) from error
+    except OSError as error:
+        raise OutputError(folder, error.strerror or str(error)) from error
+    finally:
+        if draft is not None:
+            shutil.rmtree(draft, ignore_errors=True)
+        for parent in missing:
+            if parent.exists():
+                parent.rmdir()

@@ -1,0 +1,27 @@
+"""What there is to say about the built-in robots, as plain numbers and words; keys: docs, "Reports"."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sbam.robots.registry import ROBOTS, load_robot
+
+
+def robot_summaries() -> list[dict[str, Any]]:
+    """Name, description file, arms, joint names and limits of every built-in robot."""
+    summaries = []
+    for name, file in ROBOTS.items():
+        robot = load_robot(name)
+        summaries.append(
+            {
+                "name": name,
+                "file": str(file),
+                "arms": list(robot.arms),
+                "joint_names": list(robot.joint_names),
+                "lower": robot.lower.tolist(),
+                "upper": robot.upper.tolist(),
+                "velocity_limit": robot.velocity_limit.tolist(),
+                "acceleration_limit": robot.acceleration_limit.tolist(),
+            }
+        )
+    return summaries
