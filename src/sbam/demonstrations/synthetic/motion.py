@@ -135,6 +135,12 @@ def wander(
     return std * np.sqrt(2.0 / 8.0) * waves.sum(axis=1)
 
 
+def above_table(noise: NDArray[np.float64], height: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Noise (T, 3) m whose vertical part fades as the height (T,) m goes to 0, so that nothing enters the table."""
+    height = np.maximum(height, 0.0)
+    return noise * np.stack([np.ones_like(height), np.ones_like(height), height / (height + 0.03)], axis=-1)
+
+
 def upright(up: NDArray[np.float64], yaw: float = 0.0) -> Rotation:
     """Rotation that stands an object up, turned by ``yaw`` (rad) about the vertical.
 

@@ -18,6 +18,7 @@ from sbam.demonstrations.synthetic.motion import (
     UP,
     SubMovement,
     about,
+    above_table,
     between,
     lean,
     minimum_jerk,
@@ -92,12 +93,13 @@ def generate_pouring(
     bottle, cup, table = library[layout.bottle], library[layout.cup], library[TABLE]
     rng = np.random.default_rng([seed, 0])
     across = np.cos(layout.angle) < -0.3  # the right hand must fetch the bottle from beyond the cup
-    tilt = np.deg2rad(rng.uniform(79.0, 104.0))
+    tilt = np.deg2rad(rng.uniform(80.0, 104.0))
     schedule = draw_schedule(rng, person.tempo, layout.distance, across, tilt)
     time = sample_times(schedule.end)
 
     offset = 0.5 * layout.distance * np.array([np.cos(layout.angle), np.sin(layout.angle), 0.0])
-    middle = np.array([0.02, 0.45 * person.scale, 0.0])
+    # Wide layouts stand somewhat nearer, so that both things are within reach.
+    middle = np.array([0.02, 0.45, 0.0] if layout.distance < 0.25 else [0.0, 0.43, 0.0]) * (1.0, person.scale, 1.0)
     cup_start = middle - offset + rng.normal(0.0, (0.006, 0.006, 0.0))
     bottle_start = middle + offset + rng.normal(0.0, (0.006, 0.006, 0.0))
     T_agent_cup = _cup_motion(rng, time, schedule, person, cup, cup_start)
@@ -133,7 +135,7 @@ def _cup_motion(
     """The cup is dragged off towards the body, raised, held still, and put back; agent frame."""
     (lift, raise_time), (lower_on, lower) = schedule.cup_raise, schedule.cup_lower
     rim_height = float(cup.up @ (cup.region("pour into").center - cup.region("place").center))
-    rim = np.array([-0.01, 0.37 * person.scale, rng.normal(0.35, 0.014) * person.scale])
+    rim = np.array([-0.01, 0.37 * person.scale, rng.uniform(0.325, 0.375) * person.scale])
     pouring = rim - rim_height * UP + 0.45 * (start - (-0.08, 0.45, 0.0)) * (1.0, 1.0, 0.0)
     pouring += rng.normal(0.0, (0.012, 0.012, 0.0))
     drag = np.array([rng.normal(0.0, 0.01), -rng.uniform(0.02, 0.11), rng.uniform(0.02, 0.06)])
@@ -143,14 +145,15 @@ def _cup_motion(
         *reach(rng, lift + then * raise_time, (1.0 - then) * raise_time, pouring - start - drag),
         *reach(rng, lower_on, lower, put_back(rng, start) - pouring, horizontal=(0.0, 0.85), detour=(0.0, -0.015, 0.0)),
     ]
-    held = between(time, (lift, 0.5), (lower_on + lower - 0.5, 0.5))[:, None]
+    held = between(time, (lift, 0.7), (lower_on + lower - 0.7, 0.7))[:, None]
     position = superpose(time, start, movements)
-    position += held * (wander(rng, time, 0.0015, (0.1, 0.5)) + wander(rng, time, 0.00007, (6.0, 11.0)))
+    noise = wander(rng, time, 0.0015, (0.1, 0.5)) + wander(rng, time, 0.00007, (6.0, 11.0))
+    position += held * above_table(noise, position[:, 2])
     while_lifted = between(time, (lift, 0.45 * raise_time), (lift + 0.4 * raise_time, 0.8 * raise_time))
     while_pouring = between(time, schedule.tilt, schedule.tilt_back)
     tilt = (
         lean(np.deg2rad(rng.uniform(-130.0, -60.0)), np.deg2rad(rng.uniform(4.0, 18.5)) * while_lifted)
-        + lean(np.deg2rad(rng.normal(0.0, 20.0)), np.deg2rad(rng.uniform(2.0, 6.5)) * while_pouring)
+        + lean(np.deg2rad(rng.normal(0.0, 20.0)), np.deg2rad(rng.uniform(2.0, 6.0)) * while_pouring)
         + held * wander(rng, time, np.deg2rad(0.5), (0.1, 0.6))
     )
     yaw = rng.uniform(-np.pi, np.pi) + np.deg2rad(rng.normal(0.0, 5.0)) * minimum_jerk(time, lift, lower_on - lift)
@@ -210,11 +213,13 @@ def _bottle_motion(
     if across:
         movements.append(SubMovement(*approach, beside - waiting))
     mouth = superpose(time, mouth_start, movements)
-    looked_at = between(time, (tilt_on - 0.3, 0.3 + 0.4 * tilt_up), (back_on + 0.35 * tilt_down, 0.5))
-    mouth += looked_at[:, None] * (rim_path - rim)
     lift, place = schedule.right.lift, schedule.right.place
-    held = between(time, (lift, 0.5), (place - 0.5, 0.5))[:, None]
-    mouth += held * (wander(rng, time, 0.0012, (0.2, 0.8)) + wander(rng, time, 0.00008, (6.0, 11.0)))
+    looks = max(tilt_on - 0.3, lift + 0.2)
+    looked_at = between(time, (looks, tilt_on + 0.45 * tilt_up - looks), (back_on + 0.35 * tilt_down, 0.5))
+    mouth += looked_at[:, None] * (rim_path - rim)
+    held = between(time, (lift, 0.7), (place - 0.7, 0.7))[:, None]
+    noise = wander(rng, time, 0.0012, (0.2, 0.8)) + wander(rng, time, 0.00008, (6.0, 11.0))
+    mouth += held * above_table(noise, mouth[:, 2] - height)
 
     share = rng.uniform(0.90, 0.97)  # the rest follows slowly, as the bottle empties
     course = share * minimum_jerk(time, tilt_on, tilt_up)

@@ -157,7 +157,8 @@ def _pin_motion(
 
     degrees = np.pi / 180.0
     yaw = degrees * (rng.normal(0.0, 1.5) + rng.normal(0.0, 1.5) * minimum_jerk(time, lift, place - lift))
-    yaw += rolling * degrees * wander(rng, time, draw(3.5, 6.5), (0.15, 0.5), 1)[:, 0]
+    sway = rolling * wander(rng, time, 1.0, (0.15, 0.5), 1)[:, 0]
+    yaw += degrees * draw(5.0, 13.0) * sway / np.abs(sway).max()
     pitch = (hop_in + hop_out) * degrees * rng.normal(0.0, 1.0)
     pitch += rolling * degrees * wander(rng, time, 0.25, (0.3, 1.2), 1)[:, 0]
     roll = degrees * (draw(-25.0, 25.0) + rolling * wander(rng, time, 3.0, (0.4, 1.2), 1)[:, 0])
