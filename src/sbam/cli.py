@@ -25,6 +25,7 @@ DESCRIPTION = "Teach a two-armed robot a task by showing it a few times. `sbam d
 
 app = SubcommandApp()
 recordings = SubcommandApp()
+scenes = SubcommandApp()
 robots = SubcommandApp()
 
 Constraints = Literal["cartesian", "cylindrical", "symbolic"]
@@ -36,6 +37,9 @@ Recordings = Annotated[
         help="Files, folders of files, or built-in:pouring, built-in:rolling.",
         help_behavior_hint="",
     ),
+]
+Scene = Annotated[
+    str, arg(metavar="SCENE|RECORDING", help="A scene file, built-in:NAME, or a recording, of which the first frame.")
 ]
 ModelFile = Annotated[Path, arg(metavar="MODEL", help="A model file.")]
 Objects = Annotated[Path | None, arg(metavar="FOLDER", help="Folder with object files of your own.")]
@@ -63,7 +67,7 @@ class Learn(_RecordingsVerb):
     output: Annotated[Path, arg(aliases=["-o"], metavar="MODEL", help="Where to write the model.")]
     constraints: Annotated[Constraints, arg(help="How the vector between two regions is seen.")] = "cartesian"
     mode: Annotated[Mode, arg(help="The best we know, or the paper's way with its faults.")] = "default"
-    name: Annotated[str | None, arg(metavar="NAME", help="Name of the action.")] = None
+    name: Annotated[str | None, arg(metavar="NAME", help="Name of the action; default: that of the file.")] = None
     objects: Objects = None
 
     def __call__(self) -> Report:
@@ -75,7 +79,8 @@ class Learn(_RecordingsVerb):
         with counting("reading") as progress:
             demonstrations = sbam.load(self.recordings, progress)
         with counting("learning") as progress:
-            model = sbam.learn(demonstrations, self.constraints, self.mode, library, self.name, progress)
+            name = self.name or self.output.stem
+            model = sbam.learn(demonstrations, self.constraints, self.mode, library, name, progress)
         sbam.save_model(model, self.output)
         return {"file": str(self.output), **model_report(model)}
 
@@ -152,10 +157,7 @@ class Plan(_Verb):
     """Plan a learned action for a robot in a scene and write the trajectory."""
 
     model: Positional[ModelFile]
-    scene: Annotated[
-        str,
-        arg(metavar="SCENE|RECORDING", help="A scene file, built-in:NAME, or a recording, of which the first frame."),
-    ]
+    scene: Scene
     output: Annotated[Path, arg(aliases=["-o"], metavar="DIR", help="Folder for what is written.")]
     robot: Annotated[
         str | None, arg(metavar="ROBOT", help="Name or file of a robot; default: the scene's, else panda_dual.")
@@ -258,6 +260,42 @@ class RecordingsWrite(_RecordingsVerb):
         yield from (f"wrote {path}" for path in report["files"])
 
 
+@scenes.command(name="list")
+@dataclass(frozen=True, kw_only=True)
+class ScenesList(_Verb):
+    """List the built-in scenes."""
+
+    def __call__(self) -> Report:
+        from sbam.scene.built_in_scenes import scene_summaries
+
+        return {"scenes": scene_summaries()}
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        from sbam.console.tables import scene_list
+
+        yield scene_list(report["scenes"])
+
+
+@scenes.command(name="write")
+@dataclass(frozen=True, kw_only=True)
+class ScenesWrite(_Verb):
+    """Write a built-in scene, or the first frame of a recording, as a scene file to start from."""
+
+    scene: Positional[Scene]
+    output: Annotated[Path, arg(aliases=["-o"], metavar="FILE", help="The scene file (YAML).")]
+    objects: Objects = None
+
+    def __call__(self) -> Report:
+        import sbam
+
+        scene = sbam.load_scene(self.scene, _library(self.objects))
+        sbam.save_scene(scene, self.output)
+        return {"file": str(self.output), "name": scene.name, "objects": list(scene.objects)}
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        yield f"wrote {report['file']}: {', '.join(report['objects'])}"
+
+
 @robots.command(name="list")
 @dataclass(frozen=True, kw_only=True)
 class RobotsList(_Verb):
@@ -296,6 +334,7 @@ class Demo(_Verb):
 
 
 app.command(recordings, name="recordings", help="List, describe or write recordings.")
+app.command(scenes, name="scenes", help="List scenes, or write one to start from.")
 app.command(robots, name="robots", help="List robots.")
 
 

@@ -11,7 +11,8 @@ if TYPE_CHECKING:
 
 Report = dict[str, Any]
 
-SHOWN_CHECKS = ("velocity limits", "acceleration limits", "position limits")
+SHOWN_CHECKS = ("velocity limits", "acceleration limits", "clearance arm-arm", "clearance arm-object", "torque limits")
+"""Checks whose worst value is printed; the report holds all of them."""
 
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> Table:
@@ -30,10 +31,11 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) 
 
 def model_line(report: Report) -> str:
     """One line on what a model is."""
+    count = len(report["demonstrations"])
     synthetic = " (synthetic)" if report["synthetic"] else ""
     return (
-        f"{report['constraint']} model in mode {report['mode']} from {len(report['demonstrations'])} "
-        f"demonstrations{synthetic}: {len(report['roles'])} roles, {len(report['pairs'])} pairs, "
+        f"{report['constraint']} model in mode {report['mode']} from {count} "
+        f"demonstration{'s' if count > 1 else ''}{synthetic}: {len(report['roles'])} roles, {len(report['pairs'])} pairs, "
         f"{len(report['keypoints'])} keypoints over {report['duration']:.2f} s"
     )
 
@@ -151,6 +153,15 @@ def demo_lines(report: Report) -> Iterator[RenderableType]:
     yield f"   look at  {report['folder']}/recording.html (in a browser) and {report['folder']}/plots/"
     yield f"   use      {report['folder']}/trajectory.csv or .npz, {report['folder']}/model.json"
     yield f"   read     {report['folder']}/report.json (every check and its worst value)"
+
+
+def scene_list(scenes: Sequence[Report]) -> Table:
+    """All of `sbam.scene.built_in_scenes.scene_summaries`."""
+    return table(
+        "Scenes",
+        ("name", "title", "objects", "robot"),
+        ((f"built-in:{one['name']}", one["title"], ", ".join(one["objects"]), one["robot"]) for one in scenes),
+    )
 
 
 def robot_list(robots: Sequence[Report]) -> Table:

@@ -60,9 +60,8 @@ def starting_scene(source: str | Path, library: ObjectLibrary | None = None) -> 
     try:
         demonstrations = load(source)
     except UnknownNameError as error:
-        raise UnknownNameError(
-            "built-in scene or demonstration", name, (*built_in_scene_names(), *error.known)
-        ) from None
+        known = tuple(dict.fromkeys((*built_in_scene_names(), *error.known)))
+        raise UnknownNameError("built-in scene or demonstration", name, known) from None
     if len(demonstrations) > 1:
         names = ", ".join(one.name for one in demonstrations)
         raise DemonstrationError(str(source), "are several recordings, but a scene is one", f"choose one of {names}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.resources import as_file, files
+from typing import Any
 
 from sbam.errors import UnknownNameError
 from sbam.scene.scene import Scene
@@ -28,3 +29,12 @@ def built_in_scene_names() -> tuple[str, ...]:
     """Names of all built-in scenes, sorted."""
     folder = files("sbam.scene") / "scenes"
     return tuple(sorted(file.name.removesuffix(".yaml") for file in folder.iterdir() if file.name.endswith(".yaml")))
+
+
+def scene_summaries() -> list[dict[str, Any]]:
+    """Name, title, objects and robot of every built-in scene; keys: docs, "Reports"."""
+    scenes = {name: built_in_scene(name) for name in built_in_scene_names()}
+    return [
+        {"name": name, "title": scene.name, "objects": list(scene.objects), "robot": scene.robot}
+        for name, scene in scenes.items()
+    ]
