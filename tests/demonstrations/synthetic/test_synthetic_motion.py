@@ -38,7 +38,7 @@ def test_minimum_jerk_is_at_rest_outside_and_bell_shaped_inside(onset, duration)
     assert TIME[speed.argmax()] == pytest.approx(onset + duration / 2, abs=0.01)
 
 
-def test_minimum_jerk_has_no_jerk_at_its_middle_gradient():
+def test_minimum_jerk_is_the_polynomial_with_rest_at_both_ends():
     # The minimum-jerk course solves d^6 x / dt^6 = 0: it is the polynomial of degree 5 with rest at both ends.
     phase = np.linspace(0.0, 1.0, 50)
     fitted = np.polynomial.Polynomial.fit(phase, minimum_jerk(phase, 0.0, 1.0), 5).convert()

@@ -6,6 +6,7 @@ import pytest
 from sbam.demonstrations.events import find_events
 from sbam.demonstrations.holds import find_holds
 from sbam.demonstrations.synthetic import built_in_demonstrations, generate_rolling
+from sbam.errors import DemonstrationError
 from sbam.scene.object_library import ObjectLibrary
 
 PIN = ObjectLibrary.built_in()["rolling_pin"]
@@ -61,6 +62,11 @@ def test_pin_never_enters_the_table(demonstration):
 def test_number_of_strokes(strokes):
     reversals = [e for e in find_events(generate_rolling(2, strokes=strokes)) if e.kind == "reversal"]
     assert len(reversals) == 2 * strokes - 1
+
+
+def test_no_strokes_is_an_error():
+    with pytest.raises(DemonstrationError, match="0 strokes; ask for 1 or more"):
+        generate_rolling(2, strokes=0)
 
 
 @pytest.mark.parametrize("demonstration", DEMONSTRATIONS, ids=ids)

@@ -33,6 +33,7 @@ from sbam.demonstrations.synthetic.person import (
     stand_at_table,
     take_and_leave,
 )
+from sbam.errors import DemonstrationError
 from sbam.scene.object_library import ObjectLibrary
 from sbam.scene.object_model import ObjectModel
 
@@ -78,7 +79,10 @@ def generate_rolling(
 
     Raises:
         UnknownNameError: if the library lacks an object, or an object lacks an affordance.
+        DemonstrationError: if ``strokes`` is less than 1.
     """
+    if strokes < 1:
+        raise DemonstrationError(f"synthetic_rolling_{seed}", f"cannot have {strokes} strokes", "ask for 1 or more")
     library = ObjectLibrary.built_in() if library is None else library
     pin, table = library[PIN], library[TABLE]
     rng = np.random.default_rng([seed, 1])
