@@ -9,15 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import RigidTransform, Rotation
 
+from sbam.demonstrations.damage import find_damaged_frames
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.readers import read_demonstration
 from sbam.demonstrations.recording import Track
-from sbam.demonstrations.repair import find_damaged_frames, repair_demonstration, repair_track
+from sbam.demonstrations.repair import repair_demonstration, repair_track
 from sbam.demonstrations.resampling import resample
 from sbam.demonstrations.synthetic import built_in_demonstrations
 from sbam.errors import DemonstrationError
-
-BUILT_IN = (*built_in_demonstrations("pouring")[::4], *built_in_demonstrations("rolling")[::4])
 
 
 def carried(rate: float, duration: float = 6.0, yaw: float = 3.0) -> Track:
@@ -50,19 +49,25 @@ def test_clean_motion_is_returned_as_it_is(rate):
     assert mended is track
 
 
+@pytest.fixture(scope="module")
+def built_in() -> list[Demonstration]:
+    return [*built_in_demonstrations("pouring")[::4], *built_in_demonstrations("rolling")[::4]]
+
+
 @pytest.mark.parametrize("rate", [5.0, 10.0, 20.0, 30.0, 60.0, 100.0])
-def test_built_in_demonstrations_are_clean(rate):
-    for demonstration in BUILT_IN:
+def test_built_in_demonstrations_are_clean(built_in, rate):
+    for demonstration in built_in:
         sampled = resample(demonstration, rate)
         assert repair_demonstration(sampled) is sampled
 
 
+@pytest.mark.parametrize("rate", [10.0, 30.0, 100.0])
 @pytest.mark.parametrize("frequency", [1.0, 2.0, 3.0])
-def test_shaking_is_no_damage(frequency):
-    time = np.arange(301) / 100
+def test_shaking_is_no_damage(frequency, rate):
+    time = np.arange(round(3 * rate) + 1) / rate
     swing = np.sin(2 * np.pi * frequency * time)
-    rotation = Rotation.from_euler("x", np.radians(50) * swing[:, None])
-    track = Track(time, np.outer(0.12 * swing, [1.0, 0, 0]), rotation.as_quat())
+    rotation = Rotation.from_euler("x", np.radians(40) * swing[:, None])
+    track = Track(time, np.outer(0.09 * swing, [1.0, 0, 0]), rotation.as_quat())
     assert not find_damaged_frames(track).any()
 
 
@@ -89,6 +94,17 @@ def test_outliers_are_interpolated(rate, frames, start_s):
     np.testing.assert_array_equal(mended.position[keep], track.position[keep])
     assert np.linalg.norm(mended.position - track.position, axis=1).max() < 0.12
     assert angle_between(mended, track).max() < 0.3
+
+
+@pytest.mark.parametrize(("rate", "size"), [(10.0, 0.14), (30.0, 0.05), (100.0, 0.04)])
+def test_small_single_outliers(rate, size):
+    track = carried(rate)
+    position = track.position.copy()
+    frames = [round(second * rate) for second in (0.7, 1.5, 4.5)]
+    position[frames] += [0, size, 0]
+    mended, notes = repair_track(with_(track, position), "cup", "d")
+    assert len(notes) == 3
+    np.testing.assert_allclose(mended.position, track.position, atol=2e-3)
 
 
 @pytest.mark.parametrize(

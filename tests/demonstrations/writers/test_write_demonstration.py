@@ -12,7 +12,7 @@ from sbam.demonstrations.demonstration import Demonstration, Label
 from sbam.demonstrations.readers import read_demonstration, read_demonstrations
 from sbam.demonstrations.writers import write_demonstration
 from sbam.demonstrations.writers.mmm import roll_pitch_yaw
-from sbam.errors import OutputError, UnknownNameError
+from sbam.errors import OutputError, SbamError, UnknownNameError
 
 
 def assert_same_poses(found: RigidTransform, expected: RigidTransform) -> None:
@@ -125,6 +125,26 @@ def test_folder_of_written_demonstrations(tmp_path):
     for k, suffix in enumerate((".xml", ".npz")):
         write_demonstration(replace(made(k), name=f"d{k}"), tmp_path / "new folder" / f"d{k}{suffix}")
     assert [d.name for d in read_demonstrations(tmp_path / "new folder")] == ["d0", "d1"]
+
+
+@pytest.mark.parametrize("suffix", [".xml", ".npz", ".csv"])
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_damaged_files_give_an_error_of_ours_or_finite_poses(tmp_path, suffix, data):
+    path = tmp_path / f"made{suffix}"
+    write_demonstration(made(2), path)
+    content = bytearray(path.read_bytes())
+    for _ in range(data.draw(st.integers(1, 3))):
+        at, length = data.draw(st.integers(0, len(content) - 1)), data.draw(st.integers(0, 50))
+        content[at : at + length] = data.draw(st.binary(max_size=50))
+    path.write_bytes(content)
+    try:
+        found = read_demonstration(path)
+    except SbamError:
+        return
+    for poses in (*found.T_world_object.values(), *found.T_world_hand.values()):
+        assert np.isfinite(poses.as_matrix()).all()
+    assert (np.diff(found.time) > 0).all()
 
 
 def test_unknown_suffix(tmp_path):

@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import io
 import zipfile
+import zlib
 from pathlib import Path
 
 import msgspec
@@ -35,6 +36,7 @@ from sbam.demonstrations.recording import Recording, Track
 from sbam.errors import FileFormatError, FileVersionError
 
 FORMAT_VERSION = 1
+_UNREADABLE = (ValueError, OSError, EOFError, KeyError, NotImplementedError, zipfile.BadZipFile, zlib.error)
 _REQUIRED = ("time", "object_names", "position", "rotation_xyzw")
 
 
@@ -94,7 +96,7 @@ def _load(content: bytes, path: Path) -> dict[str, NDArray[np.generic]]:
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as archive:
             return {key: archive[key] for key in archive.files}
-    except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError) as error:
+    except _UNREADABLE as error:
         raise FileFormatError(path, "", f"not a readable NPZ file: {error}", "arrays saved without pickle") from error
 
 
