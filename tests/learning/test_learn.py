@@ -185,6 +185,44 @@ def test_nothing_to_learn(pouring):
         learn([without(pouring[0], "apple_juice", "cup_large")])
 
 
+def test_bad_recordings_are_refused(pouring):
+    good = pouring[0]
+
+    def cut(frames):
+        objects = {name: poses[frames] for name, poses in good.T_world_object.items()}
+        hands = {hand: poses[frames] for hand, poses in good.T_world_hand.items()}
+        return replace(good, time=good.time[frames], T_world_object=objects, T_world_hand=hands)
+
+    with pytest.raises(DemonstrationError, match=r"juice_right_0.*has 1 frame"):
+        learn([cut(slice(0, 1))])
+    with pytest.raises(DemonstrationError, match="times do not increase"):
+        learn([replace(good, time=good.time[::-1])])
+    with pytest.raises(DemonstrationError, match=r"cup_large has poses of shape \(5,\)"):
+        learn(
+            [replace(good, T_world_object={**good.T_world_object, "cup_large": good.T_world_object["cup_large"][:5]})]
+        )
+    cup = good.T_world_object["cup_large"]
+    broken = cup.translation.copy()
+    broken[17, 1] = np.nan
+    with np.errstate(invalid="ignore"):
+        lost = RigidTransform.from_components(broken, cup.rotation)
+    with pytest.raises(DemonstrationError, match="pose of cup_large is not finite in frame 17"):
+        add_demonstration(learn([good]), replace(good, T_world_object={**good.T_world_object, "cup_large": lost}))
+
+
+def test_two_frames_are_enough_to_be_refused_or_learned_without_a_crash(pouring):
+    good = pouring[0]
+    few = slice(300, 420, 40)
+    objects = {name: poses[few] for name, poses in good.T_world_object.items()}
+    short = replace(good, time=good.time[few] - good.time[300], T_world_object=objects, T_world_hand={})
+    for constraint in CONSTRAINT_TYPES:
+        try:
+            model = learn([short], constraint)
+        except DemonstrationError:
+            continue
+        assert all(np.isfinite(channel.mean).all() for change in model.changes for channel in change.channels)
+
+
 def test_unknown_names(pouring):
     with pytest.raises(UnknownNameError, match="constraint type 'polar'"):
         learn(pouring[:1], "polar")

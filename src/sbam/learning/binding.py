@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.events import object_motion
 from sbam.errors import BindingError, DemonstrationError, UnknownNameError
@@ -30,6 +32,26 @@ def demonstrated_models(demonstration: Demonstration, library: Library) -> dict[
             where = f"demonstration {demonstration.name!r}, where it moves; the object library holds no such model"
             raise UnknownNameError("object", name, known, where)
     return {name: library[name] for name in demonstration.objects if name in known}
+
+
+def check_recording(demonstration: Demonstration) -> None:
+    """Refuse what cannot be learned from, whoever made it.
+
+    Raises:
+        DemonstrationError: if there are fewer than two frames, times do not increase, poses are missing or not finite.
+    """
+    name, time = demonstration.name, demonstration.time
+    if len(time) < 2:
+        raise DemonstrationError(name, f"has {len(time)} frame(s)", "a movement needs two or more")
+    if not np.all(np.isfinite(time)) or not np.all(np.diff(time) > 0):
+        raise DemonstrationError(name, "its times do not increase from frame to frame")
+    bodies = [*demonstration.T_world_object.items(), *demonstration.T_world_hand.items()]
+    for body, poses in bodies:
+        if poses.shape != time.shape:
+            raise DemonstrationError(name, f"{body} has poses of shape {poses.shape}", f"expected {time.shape}")
+        finite = np.isfinite(poses.as_matrix()).all(axis=(1, 2))
+        if not finite.all():
+            raise DemonstrationError(name, f"the pose of {body} is not finite in frame {int(np.argmin(finite))}")
 
 
 def unknown_objects(demonstration: Demonstration, library: Library) -> tuple[str, ...]:

@@ -61,18 +61,14 @@ def add_candidates(
     unmatched_column = np.ones(len(time), dtype=bool)
     unmatched_column[columns] = False
 
-    # The new demonstration as the model's keypoints see it.
-    own_time = np.interp(channel.time, channel.time[rows], time[columns])
-    seen_at = own_time if settings.unmatched_value == "matched_time" else channel.time
-    seen = np.interp(seen_at, time, value)
+    # Values are compared at the same time. Times are averaged with the time between the matched neighbours, which
+    # keeps keypoints in order.
+    seen = np.interp(channel.time, time, value)
     seen[rows] = value[columns]
-
-    # The model as the unmatched candidates see it.
+    own_time = np.interp(channel.time, channel.time[rows], time[columns])
     entry_time = np.interp(time, time[columns], channel.time[rows])
     apart = np.abs(entry_time[:, None] - channel.time).min(axis=1) > _SAME_TIME * channel.time[-1]
     enter = np.flatnonzero(unmatched_column & apart)
-    entered_at = entry_time[enter] if settings.unmatched_value == "matched_time" else time[enter]
-
     order = np.argsort(np.concatenate([channel.time, entry_time[enter]]), kind="stable")
 
     def merged(of_model: Array, of_candidates: Array) -> Array:
@@ -80,8 +76,8 @@ def add_candidates(
 
     old_time = merged(channel.time, entry_time[enter])
     new_time = merged(own_time, time[enter])
-    mean = merged(channel.mean, np.interp(entered_at, channel.time, channel.mean))
-    std = merged(channel.std, np.interp(entered_at, channel.time, channel.std))
+    mean = merged(channel.mean, np.interp(time[enter], channel.time, channel.mean))
+    std = merged(channel.std, np.interp(time[enter], channel.time, channel.std))
     new_value = merged(seen, value[enter])
     count = np.concatenate([channel.count + ~unmatched_row, np.ones(len(enter), np.int64)])[order]
     mean, std = update_moments(mean, std, new_value, demonstrations, settings.update_rule, channel.unit == "rad")

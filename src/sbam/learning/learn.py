@@ -15,6 +15,7 @@ from sbam.learning.anchors import AnchorSet, align_events
 from sbam.learning.binding import (
     Library,
     bind_demonstration,
+    check_recording,
     demonstrated_models,
     involved_objects,
     new_roles,
@@ -68,6 +69,8 @@ def learn(
     library = ObjectLibrary.built_in() if library is None else library
     if not demonstrations:
         raise DemonstrationError(name or "(none)", "there is nothing to learn from", "give one or more demonstrations")
+    for demonstration in demonstrations:
+        check_recording(demonstration)
     _check_objects(demonstrations, library, settings)
     model: ActionModel | None = None
     sketches: list[DemonstrationSketch] = []
@@ -125,6 +128,7 @@ def _sketch(
     constraint: str,
     settings: LearningSettings,
 ) -> DemonstrationSketch:
+    check_recording(demonstration)
     models = demonstrated_models(demonstration, library)
     if earlier:
         objects = bind_demonstration(demonstration, models, [sketch.roles for sketch in earlier], settings)

@@ -25,8 +25,6 @@ class LearningSettings:
         upright_as_cartesian: cylindrical models see same-object pairs along the upright axis as Cartesian, because
             their azimuth is undefined while the object stands.
         update_rule: of the standard deviation: exact (``welford``), or the ``paper``'s, which over-estimates.
-        unmatched_value: a keypoint that finds no partner takes the new demonstration's value at the time between its
-            matched neighbours (``matched_time``) or at the keypoint's own time (``same_time``).
         segmentation_rate: the data are thinned to this rate before segmentation, Hz; None keeps all of them.
         segmentation_epsilon: a segment is good if its area is below epsilon * amplitude * duration.
         length_amplitude_floor: smallest amplitude of a length for that threshold, m; below it is noise.
@@ -46,7 +44,6 @@ class LearningSettings:
     own_start_pairs: bool = True
     upright_as_cartesian: bool = True
     update_rule: Literal["welford", "paper"] = "welford"
-    unmatched_value: Literal["matched_time", "same_time"] = "matched_time"
     segmentation_rate: float | None = 12.5
     segmentation_epsilon: float = 0.006
     length_amplitude_floor: float = 0.010
@@ -78,7 +75,6 @@ class LearningSettings:
             own_start_pairs=False,
             upright_as_cartesian=False,
             update_rule="paper",
-            unmatched_value="same_time",
             segmentation_rate=None,
         )
 
