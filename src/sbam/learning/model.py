@@ -56,8 +56,8 @@ class HandHold:
         hand: by which hand of the agent.
         grasp: mean time of the grasp, s on the model's time axis.
         release: mean time of the release, s on the model's time axis.
-        hand_position: (D, 3) position of the hand in the object's frame, one row per demonstration with this hold, m;
-            (0, 3) if the recordings hold no hands (then ``hand`` is a choice, not an observation).
+        hand_position: (D, 3) from the object's origin to the hand at the grasp, agent axes, one row per demonstration
+            with this hold, m; (0, 3) if the recordings hold no hands (then ``hand`` is a choice, not an observation).
     """
 
     role: str

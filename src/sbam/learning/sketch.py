@@ -49,7 +49,7 @@ class SketchedHold:
         hand: by which hand; None if the recording has no hands.
         grasp: s from the start of the demonstration.
         release: s from the start of the demonstration.
-        hand_position: (3,) position of the hand in the object's frame, m, or None if the recording has no hands.
+        hand_position: (3,) from the object's origin to the hand at the grasp, agent axes, m; None without hands.
         side: x of the object in the agent frame at the grasp, m: negative is to the agent's left.
     """
 
@@ -161,8 +161,11 @@ def _holds(
     for hold in find_holds(demonstration, models):
         if hold.object in role_of:
             at_grasp = int(np.searchsorted(demonstration.time, hold.start).clip(0, len(demonstration.time) - 1))
-            position = T_agent_world.apply(demonstration.T_world_object[hold.object][at_grasp].translation)
-            hand_position = None if hold.T_object_hand is None else np.array(hold.T_object_hand.translation)
+            T_agent_object = T_agent_world * demonstration.T_world_object[hold.object][at_grasp]
+            position = T_agent_object.translation
+            hand_position = None
+            if hold.T_object_hand is not None:
+                hand_position = T_agent_object.rotation.apply(hold.T_object_hand.translation)
             holds.append(
                 SketchedHold(role_of[hold.object], hold.hand, hold.start, hold.end, hand_position, float(position[0]))
             )

@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import least_squares
 from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionReference, constraint_type
 from sbam.demonstrations.demonstration import Hand
+from sbam.learning.generalization import GeneralizedChange
 from sbam.planning.problem import Problem
 from sbam.planning.settings import PlanSettings
 from sbam.planning.state import Carrying, RegionPoint, Workspace
@@ -57,7 +59,7 @@ def build_problem(
         for reference in references
     ]
     workspace = Workspace(robot, carryings, points)
-    terms: list[Term] = [*_similarities(task, references, times), _damping(task, times, settings)]
+    terms: list[Term] = [*_similarities(task, references, times, settings), _damping(task, times, settings)]
     if task.model.mode == "default":
         terms.append(_resting(task, times))
         terms.append(Smoothness(settings.smoothness))
@@ -69,7 +71,9 @@ def build_problem(
     return Problem(workspace, tuple(terms), len(times))
 
 
-def _similarities(task: Task, references: Sequence[RegionReference], times: Array) -> list[Similarity]:
+def _similarities(
+    task: Task, references: Sequence[RegionReference], times: Array, settings: PlanSettings
+) -> list[Similarity]:
     """One similarity term per constraint type that occurs in the model."""
     index = {reference: i for i, reference in enumerate(references)}
     terms = []
@@ -79,6 +83,7 @@ def _similarities(task: Task, references: Sequence[RegionReference], times: Arra
         values = [change.at(times) for change in changes]
         target = np.stack([mean for mean, _ in values], axis=1)
         std = np.stack([std for _, std in values], axis=1)
+        slide = task.model.mode == "default" and settings.slide_supports
         terms.append(
             Similarity(
                 constraint=constraint,
@@ -86,11 +91,37 @@ def _similarities(task: Task, references: Sequence[RegionReference], times: Arra
                 first=np.array([index[change.pair.first] for change in changes]),
                 second=np.array([-1 if c.pair.second is None else index[c.pair.second] for c in changes]),
                 origin=np.array([task.region_at_start(change.pair.first) for change in changes]),
+                shift=np.array([_slide(task, change) if slide else np.zeros(3) for change in changes]),
                 target=target,
                 weight=constraint.weights(std, target),
             )
         )
     return terms
+
+
+def _slide(task: Task, change: GeneralizedChange) -> Array:
+    """How far the reference point of a support slides in its plane, (3,) m, agent frame; zero for other pairs.
+
+    Things may be placed anywhere on a support: its ellipse is a tolerance, its centre is arbitrary. The reference point
+    is the one from which the pair starts as it did in the demonstrations, as far as the ellipse reaches.
+    """
+    first, second = change.pair.first, change.pair.second
+    if second is None or second.role == first.role or not second.affordance.startswith("place onto"):
+        return np.zeros(3)
+    vector = task.region_at_start(first) - task.region_at_start(second)
+    mean, std = change.at(np.zeros(1))
+    constraint = constraint_type(change.constraint)
+    weight = constraint.weights(std, mean)[0]
+
+    def residual(horizontal: Array) -> Array:
+        return constraint.residual(np.array([*horizontal, vector[2]]), mean[0], weight, delta_rho=1e-3)
+
+    reach = task.scene.objects[task.binding[second.role]].region(second.affordance).half_axes.max()
+    angles = np.arange(0.0, 2.0 * np.pi, 0.25 * np.pi)
+    starts = [vector[:2], *(0.5 * reach * np.stack([np.cos(angles), np.sin(angles)], axis=-1))]
+    found = min((least_squares(residual, start) for start in starts), key=lambda result: result.cost)
+    shift = np.array([*(found.x - vector[:2]), 0.0])
+    return shift * min(1.0, 2.0 * reach / max(float(np.linalg.norm(shift)), 1e-9))
 
 
 def _damping(task: Task, times: Array, settings: PlanSettings) -> Damping:

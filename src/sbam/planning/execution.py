@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -211,7 +211,8 @@ def _check_torques(
 
 def phase_times(motion: Motion, trajectory: JointTrajectory, clock: Array) -> tuple[Phase, ...]:
     """The motion's phases with their times on the trajectory's axis, s."""
-    return tuple(
-        Phase(p.hand, p.name, *(float(np.interp(t, clock, trajectory.time)) for t in (p.start, p.end)), p.role)
-        for p in motion.phases
-    )
+
+    def on_trajectory(model_time: float) -> float:
+        return float(np.interp(model_time, clock, trajectory.time))
+
+    return tuple(replace(p, start=on_trajectory(p.start), end=on_trajectory(p.end)) for p in motion.phases)

@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 RANDOM_NEAR_HOME = 3  # starts home + N(0, 0.5)
 RANDOM_STARTS = 4  # starts anywhere within the limits
+ENOUGH = 100  # grasps that work; random starts are not spent on the others then
 LIMIT_MARGIN = 0.05  # rad: postures nearer to a limit rank lower
 EXAMINE = 48  # best grasps of each hand whose clearance is measured
 KEEP = 12  # best grasps of each hand that are combined
@@ -70,17 +71,7 @@ def follow_grasps(
     rotation = np.array([t.rotation.as_matrix() for t in tcp])  # (G, M, 3, 3)
     hardest = int(np.argmax((poses.rotation * moved.start.rotation.inv()).magnitude()))
 
-    starts = _starts(robot, hand, seed)
-    solution = solve_poses(
-        robot,
-        [hand],
-        np.repeat(position[:, [hardest]], len(starts), axis=0),
-        np.repeat(rotation[:, [hardest]], len(starts), axis=0),
-        np.tile(starts, (count, 1)),
-        pull=(3e-2, 1e-3),
-    )
-    reached = solution.reached().reshape(count, len(starts))
-    q = solution.configurations.reshape(count, len(starts), -1)
+    q, reached, nearest = _at_hardest(robot, hand, position[:, hardest], rotation[:, hardest], seed)
     rank = np.where(reached, _limit_cost(robot, q, joints) + 0.1 * np.abs(q - robot.home)[..., joints].max(-1), np.inf)
     works: NDArray[np.bool_] = np.asarray(reached.any(axis=1))
     path = np.empty((count, checkpoints, q.shape[-1]))
@@ -101,17 +92,48 @@ def follow_grasps(
             failed_at[alive[~good]] = m
             works[alive[~good]] = False
     if not works.any():
-        nearest = 1e3 * float(solution.position_error.min())
         where = np.bincount(failed_at, minlength=checkpoints)
         raise UnreachableError(
             f"{robot.name}'s {hand} hand can hold {moved.name!r} with none of {count} grasps through the whole action; "
-            f"{where[hardest]} fail already where it is tilted most (the nearest by {nearest:.0f} mm); "
+            f"{where[hardest]} fail already where it is tilted most (the nearest by {1e3 * nearest:.0f} mm); "
             "move the robot or the objects"
         )
     return sorted(
         (FollowedGrasp(grasps[g], path[g], _score(robot, grasps[g], path[g], joints)) for g in np.flatnonzero(works)),
         key=lambda followed: followed.score,
     )
+
+
+def _at_hardest(
+    robot: Robot, hand: Hand, position: Array, rotation: Array, seed: int
+) -> tuple[Array, NDArray[np.bool_], float]:
+    """Solve G poses of one hand from all starts; the random ones only where the others do not reach.
+
+    Returns:
+        Configurations (G, S, n), which of them reach (G, S), and the smallest position error, m.
+    """
+    starts = _starts(robot, hand, seed)
+    count, known = len(position), len(starts) - RANDOM_NEAR_HOME - RANDOM_STARTS
+    q = np.tile(starts, (count, 1, 1))
+    reached = np.zeros((count, len(starts)), dtype=bool)
+    nearest = np.inf
+    for tried in (slice(0, known), slice(known, len(starts))):
+        left = np.flatnonzero(~reached.any(axis=1))
+        if len(left) == 0 or count - len(left) >= ENOUGH:
+            break
+        begin = starts[tried]
+        solution = solve_poses(
+            robot,
+            [hand],
+            np.repeat(position[left], len(begin), axis=0)[:, None],
+            np.repeat(rotation[left], len(begin), axis=0)[:, None],
+            np.tile(begin, (len(left), 1)),
+            pull=(3e-2, 1e-3),
+        )
+        q[left, tried] = solution.configurations.reshape(len(left), len(begin), -1)
+        reached[left, tried] = solution.reached().reshape(len(left), len(begin))
+        nearest = min(nearest, float(solution.position_error.min()))
+    return q, reached, nearest
 
 
 def _starts(robot: Robot, hand: Hand, seed: int) -> Array:
@@ -216,7 +238,9 @@ def _clearances(
     objects = dict(task.T_agent_object)
     objects.update({moved.name: poses[moved.role][every] for moved in task.moved})
     always = np.ones(len(every), dtype=bool)
-    held: dict[tuple[str, Hand], NDArray[np.bool_]] = {(moved.name, hand): always for moved in task.moved for hand in moved.hands}
+    held: dict[tuple[str, Hand], NDArray[np.bool_]] = {
+        (moved.name, hand): always for moved in task.moved for hand in moved.hands
+    }
     report = collision.clearances(configurations.reshape(-1, joints), objects, held, distance_max=COMFORTABLE)
     distance = np.min([report.distance_by_class[kind] for kind in kinds], axis=0)
     return distance.reshape(grasps, checkpoints).min(axis=1)

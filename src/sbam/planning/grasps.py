@@ -158,7 +158,7 @@ def _human_azimuths(moved: MovedObject, hand: Hand, region: GraspRegion) -> Arra
     positions = moved.human_grasps.get(hand, np.zeros((0, 3)))
     if region.kind != "around" or len(positions) == 0:
         return np.zeros(0)
-    towards = moved.start.rotation.apply(region.center - positions)
+    towards = moved.start.rotation.apply(region.center) - positions
     return np.arctan2(-towards[:, 0], towards[:, 1])
 
 

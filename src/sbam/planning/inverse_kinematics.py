@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.planning.rotation_error import left_jacobian_inverse, rotation_error
-from sbam.planning.state import State, Workspace
+from sbam.planning.state import Workspace
 from sbam.robots import Robot
 
 Array = NDArray[np.float64]
 
 ROTATION_LENGTH = 0.25  # m: a radian of orientation error counts as much as this length
+STALLED = 1e-3  # share of the cost below which a gain ends a stage
 
 
 @dataclass(frozen=True)
@@ -76,37 +77,36 @@ def solve_poses(
     for weight in pull:
         active = np.arange(batch)
         damping = np.full(batch, 1e-3)
-        state, error = _errors(workspace, columns, q, position, rotation)
-        cost = _cost(error, q, q_reference, joints, weight)
+        error, jacobian = _linearized(workspace, columns, joints, q, position, rotation)
+        cost = _cost(error, q[:, joints], q_reference[:, joints], weight)
         for _ in range(iterations):
-            jacobian = _jacobian(state, columns, error)[..., joints]
-            residual = error.reshape(len(active), -1)
-            offset = weight**2 * (q[active][:, joints] - q_reference[active][:, joints])
-            gradient = np.vecmat(residual, jacobian) + offset
             current = q[active][:, joints]
+            gradient = np.vecmat(error, jacobian) + weight**2 * (current - q_reference[active][:, joints])
             free = ~(((current <= lower) & (gradient > 0)) | ((current >= upper) & (gradient < 0)))
-            jacobian = jacobian * free[:, None, :]
-            normal = np.swapaxes(jacobian, 1, 2) @ jacobian
+            reduced = jacobian * free[:, None, :]
+            normal = np.swapaxes(reduced, 1, 2) @ reduced
             index = np.arange(len(joints))
-            normal[:, index, index] += weight**2 + damping[active][:, None] * 0.1 + 1e-12
+            normal[:, index, index] += weight**2 + 0.1 * damping[active][:, None] + 1e-12
             step = -np.linalg.solve(normal, (gradient * free)[..., None])[..., 0]
             step *= np.minimum(1.0, 0.5 / np.maximum(np.abs(step).max(axis=1, keepdims=True), 0.5))
             trial = q[active]
             trial[:, joints] = np.clip(current + step, lower, upper)
-            _, trial_error = _errors(workspace, columns, trial, position[active], rotation[active])
-            trial_cost = _cost(trial_error, trial, q_reference[active], joints, weight)
-            better = trial_cost < cost[active]
+            trial_error, trial_jacobian = _linearized(
+                workspace, columns, joints, trial, position[active], rotation[active]
+            )
+            trial_cost = _cost(trial_error, trial[:, joints], q_reference[active][:, joints], weight)
             gain = cost[active] - trial_cost
-            q[active[better]] = trial[better]
-            cost[active[better]] = trial_cost[better]
+            better = gain > 0
+            q[active[better]], cost[active[better]] = trial[better], trial_cost[better]
+            error[better], jacobian[better] = trial_error[better], trial_jacobian[better]
             damping[active] = np.where(better, np.maximum(damping[active] * 0.1, 1e-12), damping[active] * 8.0)
-            moving = ~(better & (gain < 1e-6 * cost[active] + 1e-16)) & (damping[active] < 1e3)
-            moving &= (cost[active] > 1e-15) | (np.abs(step).max(axis=1) > 1e-7)
-            active = active[moving]
+            moving = (gain > STALLED * cost[active]) | (~better & (damping[active] < 1e2))
+            moving &= (cost[active] > 1e-15) & (np.abs(step).max(axis=1) > 1e-7)
+            active, error, jacobian = active[moving], error[moving], jacobian[moving]
             if len(active) == 0:
                 break
-            state, error = _errors(workspace, columns, q[active], position[active], rotation[active])
-    _, error = _errors(workspace, columns, q, position, rotation)
+    error, _ = _linearized(workspace, columns, joints, q, position, rotation)
+    error = error.reshape(batch, len(arms), 6)
     return PoseSolution(
         configurations=q,
         position_error=np.linalg.norm(error[..., :3], axis=-1).max(axis=1),
@@ -114,22 +114,28 @@ def solve_poses(
     )
 
 
-def _errors(
-    workspace: Workspace, columns: NDArray[np.int_], q: Array, position: Array, rotation: Array
-) -> tuple[State, Array]:
+def _linearized(
+    workspace: Workspace,
+    columns: NDArray[np.int_],
+    joints: NDArray[np.int_],
+    q: Array,
+    position: Array,
+    rotation: Array,
+) -> tuple[Array, Array]:
+    """Pose errors (B, 6 A) in m and their Jacobian (B, 6 A, joints)."""
     state = workspace.state(q)
     linear = state.kinematics.position[:, columns] - position
     angular = rotation_error(state.kinematics.rotation[:, columns], rotation)
-    return state, np.concatenate([linear, ROTATION_LENGTH * angular], axis=-1)
+    error = np.concatenate([linear, ROTATION_LENGTH * angular], axis=-1)
+    jacobian = np.concatenate(
+        [
+            state.point_jacobian(state.kinematics.position[:, columns], columns)[..., joints],
+            ROTATION_LENGTH * left_jacobian_inverse(angular) @ state.angular_jacobian(columns)[..., joints],
+        ],
+        axis=-2,
+    )
+    return error.reshape(len(q), -1), jacobian.reshape(len(q), -1, len(joints))
 
 
-def _jacobian(state: State, columns: NDArray[np.int_], error: Array) -> Array:
-    linear = state.point_jacobian(state.kinematics.position[:, columns], columns)
-    angular = left_jacobian_inverse(error[..., 3:] / ROTATION_LENGTH) @ state.angular_jacobian(columns)
-    jacobian = np.concatenate([linear, ROTATION_LENGTH * angular], axis=-2)
-    return jacobian.reshape(len(error), -1, jacobian.shape[-1])
-
-
-def _cost(error: Array, q: Array, reference: Array, joints: NDArray[np.int_], weight: float) -> Array:
-    away = np.square(q[:, joints] - reference[:, joints]).sum(axis=-1)
-    return np.square(error).sum(axis=(1, 2)) + weight**2 * away
+def _cost(error: Array, q: Array, reference: Array, weight: float) -> Array:
+    return np.square(error).sum(axis=-1) + weight**2 * np.square(q - reference).sum(axis=-1)

@@ -78,12 +78,13 @@ def object_path(
     Returns:
         The dense path.
     """
-    inside = np.flatnonzero((keypoint_times > moved.lift + 1e-6) & (keypoint_times < moved.place - 1e-6))
+    first, last = np.searchsorted(keypoint_times, [moved.lift + 1e-6, moved.place - 1e-6])
+    inside = slice(int(first), int(last))
     times = np.concatenate([[moved.lift], keypoint_times[inside], [moved.place]])
     point = acting_point(task, moved)
     rotations = Rotation.concatenate(
         [moved.start.rotation, keypoint_poses.rotation[inside], moved.put_down.rotation]
-        if len(inside)
+        if last > first
         else [moved.start.rotation, moved.put_down.rotation]
     )
     points = np.concatenate(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,8 +32,8 @@ from sbam.scene import Scene
 
 Array = NDArray[np.float64]
 
-CHECKPOINTS = 10  # keypoints at which grasps are tried
-ATTEMPTS = 4  # combinations of grasps that are carried through to a trajectory before giving up
+CHECKPOINTS = 20  # keypoints at which grasps are tried
+ATTEMPTS = 6  # combinations of grasps that are carried through to a trajectory before giving up
 DEFAULT_ROBOT = "panda_dual"
 
 
@@ -125,7 +125,7 @@ def plan(
     at_checkpoints = {role: pose[checkpoints] for role, pose in poses.items()}
     best: Plan | None = None
     trouble: UnreachableError | TrajectoryError | None = None
-    for chosen in choose_grasps(task, robot, at_checkpoints, settings.seed)[:ATTEMPTS]:
+    for chosen in _in_turn(choose_grasps(task, robot, at_checkpoints, settings.seed)):
         try:
             candidate = _plan_with(task, robot, settings, chosen, checkpoints, free, clock)
         except (UnreachableError, TrajectoryError) as error:
@@ -196,6 +196,19 @@ def _plan_with(
         problems=tuple(problems),
         seconds=clock.stop(),
     )
+
+
+Combination = Mapping[tuple[str, Hand], FollowedGrasp]
+
+
+def _in_turn(combinations: Sequence[Combination]) -> Iterator[Combination]:
+    """The best combination, then the best that differ from those tried in as many hands as possible."""
+    left, tried = list(combinations), set()
+    for _ in range(min(ATTEMPTS, len(left))):
+        shared = [sum(id(item) in tried for item in combination.values()) for combination in left]
+        chosen = left.pop(int(np.argmin(shared)))
+        tried |= {id(item) for item in chosen.values()}
+        yield chosen
 
 
 def _checkpoints(task: Task) -> NDArray[np.int_]:

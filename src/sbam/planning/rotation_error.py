@@ -20,7 +20,8 @@ def rotation_error(rotation: Array, target: Array) -> Array:
         (..., 3) log(R R*^T), in the frame R and R* map to, rad.
     """
     difference = rotation @ np.swapaxes(target, -1, -2)
-    return Rotation.from_matrix(difference.reshape(-1, 3, 3)).as_rotvec().reshape(*difference.shape[:-2], 3)
+    valid = difference.reshape(-1, 3, 3)
+    return Rotation.from_matrix(valid, assume_valid=True).as_rotvec().reshape(*difference.shape[:-2], 3)
 
 
 def left_jacobian_inverse(vector: Array) -> Array:

@@ -16,6 +16,8 @@ class PlanSettings:
         human_likeness: weight lambda_h of t_h; None takes the robot's default (0 where it says so).
         damping: t_d in mode ``default``: constant weight, 1/m.
         smoothness: coefficient of the squared joint steps between keypoints, 1/rad^2.
+        slide_supports: in mode ``default``, whether pairs against a support (``place onto``) start from wherever the
+            object stands on it instead of from the support's centre.
         speed: share of the robot's velocity limits that may be used; accelerations scale with its square.
         sample_rate: samples of the emitted trajectory per second, Hz.
         clearance: distance that arms and carried objects shall keep from what they must not touch, m.
@@ -26,6 +28,7 @@ class PlanSettings:
     human_likeness: float | None = None
     damping: float = 10.0
     smoothness: float = 0.05
+    slide_supports: bool = True
     speed: float = 0.5
     sample_rate: float = 1000.0
     clearance: float = 0.0

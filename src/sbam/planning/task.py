@@ -36,7 +36,7 @@ class MovedObject:
         place: when it stands still again.
         grasp: when it is grasped.
         release: when it is let go.
-        human_grasps: hand -> (D, 3) where people held the demonstrated objects, in the objects' frames, m.
+        human_grasps: hand -> (D, 3) where people held such objects: from the object's origin, agent axes, m.
     """
 
     role: str
@@ -111,7 +111,7 @@ def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = Non
                 model=scene.objects[name],
                 hands=tuple(hold.hand for hold in holds),
                 start=poses[name],
-                put_down=_put_down(task, role.name, place),
+                put_down=_put_down(task, role.name),
                 lift=lift,
                 place=place,
                 grasp=min(grasp, lift),
@@ -122,18 +122,18 @@ def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = Non
     return Task(model, scene, binding, poses, tuple(moved))
 
 
-def _put_down(task: Task, role: str, place: float) -> RigidTransform:
+def _put_down(task: Task, role: str) -> RigidTransform:
     """Where an object ends: as far from its start as in the demonstrations, standing or lying as it did.
 
-    The displacement is the mean of the role's own-start pairs when it is put down; a model without them (mode
-    ``paper``) says nothing about it, and the object goes back to where it was.
+    The displacement is the mean of the role's own-start pairs at the end, when everything rests; a model without them
+    (mode ``paper``) says nothing about it, and the object goes back to where it was.
     """
     start = task.T_agent_object[task.binding[role]]
     changes = [c for c in task.model.changes if c.pair.is_own_start and c.pair.first.role == role]
     if not changes:
         return start
     regions = np.array([task.region_at_start(change.pair.first) for change in changes])
-    displacements = np.array([change.at(np.array([place]))[0][0] for change in changes])
+    displacements = np.array([change.at(np.array([task.model.duration]))[0][0] for change in changes])
     wanted = regions + displacements
     turn = Rotation.identity()
     if len(regions) > 1:

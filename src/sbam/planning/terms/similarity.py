@@ -23,6 +23,7 @@ class Similarity(Term):
         first: (P,) index of the first region in the workspace.
         second: (P,) index of the second region, -1 for own-start pairs.
         origin: (P, 3) where the first region was at the start, agent frame, m; used for own-start pairs.
+        shift: (P, 3) added to the vectors, agent frame, m; moves a support's reference point.
         target: (K, P, C) learned mean, in the channels' units.
         weight: (K, P, C) weight of each channel.
     """
@@ -35,14 +36,17 @@ class Similarity(Term):
     first: NDArray[np.int_]
     second: NDArray[np.int_]
     origin: Array
+    shift: Array
     target: Array
     weight: Array
 
     def vector(self, state: State) -> Array:
         """(K, P, 3) vectors first - second, agent frame, m."""
         positions = state.region_position
-        return positions[:, self.first] - np.where(
-            self.second[:, None] >= 0, positions[:, np.maximum(self.second, 0)], self.origin
+        return (
+            positions[:, self.first]
+            + self.shift
+            - np.where(self.second[:, None] >= 0, positions[:, np.maximum(self.second, 0)], self.origin)
         )
 
     def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:

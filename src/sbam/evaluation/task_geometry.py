@@ -1,0 +1,138 @@
+"""Success of a task's geometry, measured on every sample of the emitted trajectory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.planning.plan import Plan
+
+Array = NDArray[np.float64]
+
+POUR_TILT = np.deg2rad(60.0)  # rad: beyond it something may flow
+POUR_HEIGHT = (0.010, 0.080)  # m: of the mouth above the rim while something may flow
+PUT_DOWN = 0.030  # m: of the place where the demonstrations put it, relative to its start
+PIN_HEIGHT = 0.005  # m: of the learned height
+STROKE = 0.06  # m: a shorter half-stroke is not one
+
+
+@dataclass(frozen=True)
+class Measure:
+    """How well a task was done.
+
+    Attributes:
+        ok: whether everything required holds.
+        values: name with unit -> value.
+        problems: what does not hold, a sentence each.
+    """
+
+    ok: bool
+    values: Mapping[str, float]
+    problems: tuple[str, ...]
+
+
+def region_path(plan: Plan, role: str, affordance: str) -> Array:
+    """(N, 3) centre of a role's region at every sample, agent frame, m."""
+    name = plan.task.binding[role]
+    center = plan.task.scene.objects[name].region(affordance).center
+    if role in plan.T_agent_object:
+        return plan.T_agent_object[role].apply(center)
+    return np.broadcast_to(plan.task.T_agent_object[name].apply(center), (len(plan.clock), 3))
+
+
+def measure_pouring(plan: Plan, pour_from: str = "pour_from", pour_into: str = "pour_into") -> Measure:
+    """Whenever the bottle is tilted beyond 60 degrees its mouth is over the cup and 10-80 mm above the rim.
+
+    Args:
+        plan: the plan.
+        pour_from: role of what is poured from.
+        pour_into: role of what is poured into.
+    """
+    bottle = plan.task.scene.objects[plan.task.binding[pour_from]]
+    cup = plan.task.scene.objects[plan.task.binding[pour_into]]
+    up = plan.T_agent_object[pour_from].rotation.apply(bottle.up)
+    tilt = np.arccos(np.clip(up[:, 2], -1.0, 1.0))
+    offset = region_path(plan, pour_from, "pour from") - region_path(plan, pour_into, "pour into")
+    aside, above = np.hypot(offset[:, 0], offset[:, 1]), offset[:, 2]
+    pouring = tilt > POUR_TILT
+    rim = float(cup.region("pour into").half_axes.min())
+    values = {"largest tilt [deg]": float(np.rad2deg(tilt.max()))}
+    problems = []
+    if not pouring.any():
+        problems.append(f"never tilted beyond 60 degrees (at most {values['largest tilt [deg]']:.0f})")
+    else:
+        step = float(plan.trajectory.time[1] - plan.trajectory.time[0])
+        values["tilted for [s]"] = float(pouring.sum() * step)
+        values["mouth aside, worst [mm]"] = float(1e3 * aside[pouring].max())
+        values["mouth above, least [mm]"] = float(1e3 * above[pouring].min())
+        values["mouth above, most [mm]"] = float(1e3 * above[pouring].max())
+        if aside[pouring].max() > rim:
+            problems.append(f"mouth {1e3 * aside[pouring].max():.0f} mm aside while tilted (rim {1e3 * rim:.0f} mm)")
+        if above[pouring].min() < POUR_HEIGHT[0] or above[pouring].max() > POUR_HEIGHT[1]:
+            low, high = values["mouth above, least [mm]"], values["mouth above, most [mm]"]
+            problems.append(f"mouth {low:.0f} to {high:.0f} mm above the rim while tilted")
+    return Measure(not problems, values, tuple(problems))
+
+
+def measure_put_down(plan: Plan) -> Measure:
+    """Each object ends within 30 mm of where the demonstrations put it relative to its start."""
+    values, problems = {}, []
+    for moved in plan.task.moved:
+        changes = [c for c in plan.task.model.changes if c.pair.is_own_start and c.pair.first.role == moved.role]
+        for change in changes:
+            path = region_path(plan, moved.role, change.pair.first.affordance)
+            wanted = change.at(np.array([plan.task.model.duration]))[0][0]
+            off = float(np.linalg.norm(path[-1] - path[0] - wanted))
+            values[f"{change.pair.first} put down off by [mm]"] = 1e3 * off
+            if off > PUT_DOWN:
+                problems.append(f"{change.pair.first} is put down {1e3 * off:.0f} mm from where it was demonstrated")
+    return Measure(not problems, values, tuple(problems))
+
+
+def measure_rolling(plan: Plan, half_strokes: int = 8, role: str = "handle_left") -> Measure:
+    """All strokes are done, the pin's axis within 5 mm of its learned height while it rolls.
+
+    A half-stroke is a run of the pin's middle between two turning points along the direction in which it moves most.
+    Five strokes have eight of them: the first and the last run into the pick-up and the put-down.
+
+    Args:
+        plan: the plan.
+        half_strokes: how many are demanded.
+        role: role of the rolling pin.
+    """
+    left, right = (region_path(plan, role, f"handle {side}") for side in ("left", "right"))
+    middle = 0.5 * (left + right)
+    change = next(
+        c
+        for c in plan.task.model.changes
+        if c.constraint == "cartesian" and c.pair.is_own_start and c.pair.first.affordance == "handle left"
+    )
+    turns = _turning_points(middle)
+    values: dict[str, float] = {"half-strokes": float(max(len(turns) - 1, 0))}
+    problems = []
+    if len(turns) - 1 < half_strokes:
+        problems.append(f"{len(turns) - 1} half-strokes instead of {half_strokes}")
+    if len(turns) > 1:
+        rolling = slice(turns[0], turns[-1] + 1)
+        learned = left[0, 2] + change.at(plan.clock[rolling])[0][:, 2]
+        off = np.abs(0.5 * (left[rolling, 2] + right[rolling, 2]) - learned)
+        values["height off, worst [mm]"] = float(1e3 * off.max())
+        lengths = np.linalg.norm(np.diff(middle[turns, :2], axis=0), axis=1)
+        values["half-stroke, mean [mm]"] = float(1e3 * lengths.mean())
+        if off.max() > PIN_HEIGHT:
+            problems.append(f"pin {1e3 * off.max():.1f} mm from its learned height")
+    return Measure(not problems, values, tuple(problems))
+
+
+def _turning_points(middle: Array) -> NDArray[np.int_]:
+    """Samples at which the pin turns, ends of half-strokes longer than `STROKE`."""
+    from scipy.signal import find_peaks
+
+    centered = middle[:, :2] - middle[:, :2].mean(axis=0)
+    direction = np.linalg.svd(centered[:: max(1, len(centered) // 2000)], full_matrices=False)[2][0]
+    along = centered @ direction
+    peaks = np.concatenate([find_peaks(s * along, prominence=STROKE)[0] for s in (1.0, -1.0)])
+    return np.sort(peaks)
