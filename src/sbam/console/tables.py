@@ -35,8 +35,8 @@ def model_line(report: Report) -> str:
     synthetic = " (synthetic)" if report["synthetic"] else ""
     return (
         f"{report['constraint']} model in mode {report['mode']} from {count} "
-        f"demonstration{'s' if count > 1 else ''}{synthetic}: {len(report['roles'])} roles, {len(report['pairs'])} pairs, "
-        f"{len(report['keypoints'])} keypoints over {report['duration']:.2f} s"
+        f"demonstration{'s' if count > 1 else ''}{synthetic}: {len(report['roles'])} roles, "
+        f"{len(report['pairs'])} pairs, {len(report['keypoints'])} keypoints over {report['duration']:.2f} s"
     )
 
 
@@ -53,12 +53,14 @@ def model_tables(report: Report) -> Iterator[RenderableType]:
     )
     yield table(
         "Pairs, the most relevant first",
-        ("pair", "constraint", "relevance", "channels (smallest std)"),
+        ("pair", "constraint", "precision", "at, s", "spread / layouts'", "channels (smallest std)"),
         (
             (
                 pair["pair"],
                 pair["constraint"],
-                pair["relevance"],
+                pair["precision"],
+                pair["best_time"],
+                f"{pair['spread']:.2f}{' (fixed)' if pair['fixed'] else ''}",
                 ", ".join(f"{one['name']} {_with_unit(one['smallest_std'], one['unit'])}" for one in pair["channels"]),
             )
             for pair in report["pairs"]

@@ -8,10 +8,12 @@ import numpy as np
 
 from sbam.learning.generalization import GeneralizedChange
 from sbam.learning.model import ActionModel
+from sbam.learning.relevance import PairRelevance, rank_pairs
 
 
 def model_report(model: ActionModel) -> dict[str, Any]:
-    """Roles, pairs, anchors, holds and keypoints of a model."""
+    """Roles, pairs (the most relevant first), anchors, holds and keypoints of a model."""
+    changes = {change.pair: change for change in model.changes}
     return {
         "name": model.name,
         "constraint": model.constraint,
@@ -36,7 +38,7 @@ def model_report(model: ActionModel) -> dict[str, Any]:
             }
             for role in model.roles
         ],
-        "pairs": [_pair(change) for change in model.changes],
+        "pairs": [_pair(changes[relevance.pair], relevance) for relevance in rank_pairs(model)],
         "anchors": [{"kind": anchor.kind, "role": anchor.role, "time": anchor.time} for anchor in model.anchors],
         "holds": [
             {
@@ -53,11 +55,15 @@ def model_report(model: ActionModel) -> dict[str, Any]:
     }
 
 
-def _pair(change: GeneralizedChange) -> dict[str, Any]:
+def _pair(change: GeneralizedChange, relevance: PairRelevance) -> dict[str, Any]:
     return {
         "pair": str(change.pair),
         "constraint": change.constraint,
-        "relevance": None,
+        "precision": relevance.precision,
+        "best_time": relevance.best_time,
+        "spread": relevance.spread,
+        "layout_spread": relevance.layout_spread,
+        "fixed": relevance.fixed,
         "channels": [
             {
                 "name": channel.name,
