@@ -76,3 +76,13 @@ class ConfigurationError(SbamError):
     def __init__(self, robot: str, problem: str, expected: str = "") -> None:
         hint = f" (expected {expected})" if expected else ""
         super().__init__(f"configurations of robot {robot!r}: {problem}{hint}")
+
+
+class RenderingError(SbamError):
+    """Pictures cannot be made on this machine."""
+
+    def __init__(self, problem: str) -> None:
+        super().__init__(
+            f"pictures cannot be drawn: {problem}; they need OpenGL without a screen (EGL), on Debian "
+            "`apt install libegl1 libegl-mesa0 libgl1-mesa-dri`"
+        )
