@@ -54,6 +54,10 @@ class ConstraintType(ABC):
         """Channels (..., C) of vectors ``d`` (..., 3), m."""
 
     @abstractmethod
+    def vector(self, channels: Array) -> Array:
+        """Vectors (..., 3), m, with the given channels (..., C); the nearest sense where channels contradict."""
+
+    @abstractmethod
     def jacobian(self, d: Array) -> Array:
         """Derivatives (..., C, 3) of the channels; 0 where a channel has none (azimuth at rho = 0)."""
 

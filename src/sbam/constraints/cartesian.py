@@ -22,6 +22,10 @@ class Cartesian(ConstraintType):
         """The vector itself."""
         return np.array(d, dtype=np.float64)
 
+    def vector(self, channels: Array) -> Array:
+        """The channels themselves."""
+        return np.asarray(channels, dtype=np.float64)
+
     def jacobian(self, d: Array) -> Array:
         """The identity, (..., 3, 3)."""
         return np.broadcast_to(np.eye(3), (*np.shape(d), 3)).copy()

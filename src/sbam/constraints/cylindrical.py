@@ -34,6 +34,11 @@ class Cylindrical(ConstraintType):
         """Radius, azimuth in [-pi, pi] and elevation."""
         return np.stack([np.hypot(d[..., 0], d[..., 1]), np.arctan2(d[..., 1], d[..., 0]), d[..., 2]], axis=-1)
 
+    def vector(self, channels: Array) -> Array:
+        """From polar to Cartesian coordinates."""
+        rho, phi, z = channels[..., 0], channels[..., 1], channels[..., 2]
+        return np.stack([rho * np.cos(phi), rho * np.sin(phi), z], axis=-1)
+
     def jacobian(self, d: Array) -> Array:
         """Derivatives (..., 3, 3)."""
         _, slope, rho = smooth_radius(d, 0.0)

@@ -70,6 +70,7 @@ def _linear_form(relations: tuple[SpatialRelation, ...]) -> tuple[Array, Array]:
 
 
 _MATRIX, _OFFSET = _linear_form(SPATIAL_RELATIONS)
+_INVERSE = np.linalg.pinv(_MATRIX)
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,12 @@ class Symbolic(ConstraintType):
     def channels(self, d: Array) -> Array:
         """Log-densities (..., 8)."""
         return self._log_densities(d, 0.0)
+
+    def vector(self, channels: Array) -> Array:
+        """The log-densities are linear in (rho^2, rho, cos phi, sin phi, z^2, z): those by least squares, then d."""
+        features = (channels - _OFFSET) @ _INVERSE
+        rho, phi = np.maximum(features[..., 1], 0.0), np.arctan2(features[..., 3], features[..., 2])
+        return np.stack([rho * np.cos(phi), rho * np.sin(phi), features[..., 5]], axis=-1)
 
     def jacobian(self, d: Array) -> Array:
         """Derivatives (..., 8, 3)."""

@@ -105,11 +105,12 @@ def measure_rolling(plan: Plan, half_strokes: int = 8, role: str = "handle_left"
     """
     left, right = (region_path(plan, role, f"handle {side}") for side in ("left", "right"))
     middle = 0.5 * (left + right)
-    change = next(
-        c
-        for c in plan.task.model.changes
-        if c.constraint == "cartesian" and c.pair.is_own_start and c.pair.first.affordance == "handle left"
-    )
+    learned = [
+        path[0, 2] + change.at(plan.clock)[0][:, 2]
+        for path, side in ((left, "left"), (right, "right"))
+        for change in plan.task.model.changes
+        if change.pair.is_own_start and change.pair.first.affordance == f"handle {side}"
+    ]
     turns = _turning_points(middle)
     values: dict[str, float] = {"half-strokes": float(max(len(turns) - 1, 0))}
     problems = []
@@ -117,8 +118,7 @@ def measure_rolling(plan: Plan, half_strokes: int = 8, role: str = "handle_left"
         problems.append(f"{len(turns) - 1} half-strokes instead of {half_strokes}")
     if len(turns) > 1:
         rolling = slice(turns[0], turns[-1] + 1)
-        learned = left[0, 2] + change.at(plan.clock[rolling])[0][:, 2]
-        off = np.abs(0.5 * (left[rolling, 2] + right[rolling, 2]) - learned)
+        off = np.abs(middle[:, 2] - np.mean(learned, axis=0))[rolling]
         values["height off, worst [mm]"] = float(1e3 * off.max())
         lengths = np.linalg.norm(np.diff(middle[turns, :2], axis=0), axis=1)
         values["half-stroke, mean [mm]"] = float(1e3 * lengths.mean())

@@ -40,12 +40,12 @@ def pair_constraint(
 ) -> str:
     """Name of the constraint type for one pair of a model of type ``constraint``.
 
-    Own-start pairs are Cartesian in every model. So are, in cylindrical models with ``upright_as_cartesian``,
-    same-object pairs along the object's upright axis: while it stands their radius is 0 and their azimuth undefined.
+    Own-start pairs are Cartesian in every model. So are, with ``upright_as_cartesian``, same-object pairs along the
+    object's upright axis: while it stands their radius is 0 and their azimuth undefined.
     """
     if pair.second is None:
         return "cartesian"
-    if constraint == "cylindrical" and pair.is_same_object and settings.upright_as_cartesian:
+    if constraint != "cartesian" and pair.is_same_object and settings.upright_as_cartesian:
         model = roles[pair.first.role]
         vector = model.region(pair.first.affordance).center - model.region(pair.second.affordance).center
         if abs(vector @ model.up) >= _UPRIGHT_COSINE * np.linalg.norm(vector):

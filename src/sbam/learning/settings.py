@@ -22,7 +22,7 @@ class LearningSettings:
             leave out those with fewer.
         pairs: ``functional`` pairs by affordance names, or ``all`` unordered pairs of regions.
         own_start_pairs: also pair each region of a moved object with its own place at the start.
-        upright_as_cartesian: cylindrical models see same-object pairs along the upright axis as Cartesian, because
+        upright_as_cartesian: models of every type see same-object pairs along the upright axis as Cartesian, because
             their azimuth is undefined while the object stands.
         update_rule: of the standard deviation: exact (``welford``), or the ``paper``'s, which over-estimates.
         segmentation_rate: the data are thinned to this rate before segmentation, Hz; None keeps all of them.

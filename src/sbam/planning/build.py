@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionReference, constraint_type
@@ -17,6 +16,7 @@ from sbam.planning.settings import PlanSettings
 from sbam.planning.state import Carrying, RegionPoint, Workspace
 from sbam.planning.task import Task
 from sbam.planning.terms import Closure, Damping, Resting, Similarity, Smoothness, Term
+from sbam.planning.weights import pair_weights
 from sbam.robots import Robot
 
 Array = NDArray[np.float64]
@@ -82,7 +82,7 @@ def _similarities(
         constraint = constraint_type(name).in_mode(task.model.mode)
         values = [change.at(times) for change in changes]
         target = np.stack([mean for mean, _ in values], axis=1)
-        std = np.stack([std for _, std in values], axis=1)
+        weight = np.stack([pair_weights(task.model, c, times, settings.proximity) for c in changes], axis=1)
         slide = task.model.mode == "default" and settings.slide_supports
         terms.append(
             Similarity(
@@ -93,7 +93,7 @@ def _similarities(
                 origin=np.array([task.region_at_start(change.pair.first) for change in changes]),
                 shift=np.array([_slide(task, change) if slide else np.zeros(3) for change in changes]),
                 target=target,
-                weight=constraint.weights(std, target),
+                weight=weight,
             )
         )
     return terms
@@ -109,19 +109,10 @@ def _slide(task: Task, change: GeneralizedChange) -> Array:
     if second is None or second.role == first.role or not second.affordance.startswith("place onto"):
         return np.zeros(3)
     vector = task.region_at_start(first) - task.region_at_start(second)
-    mean, std = change.at(np.zeros(1))
-    constraint = constraint_type(change.constraint)
-    weight = constraint.weights(std, mean)[0]
-
-    def residual(horizontal: Array) -> Array:
-        return constraint.residual(np.array([*horizontal, vector[2]]), mean[0], weight, delta_rho=1e-3)
-
-    reach = task.scene.objects[task.binding[second.role]].region(second.affordance).half_axes.max()
-    angles = np.arange(0.0, 2.0 * np.pi, 0.25 * np.pi)
-    starts = [vector[:2], *(0.5 * reach * np.stack([np.cos(angles), np.sin(angles)], axis=-1))]
-    found = min((least_squares(residual, start) for start in starts), key=lambda result: result.cost)
-    shift = np.array([*(found.x - vector[:2]), 0.0])
-    return shift * min(1.0, 2.0 * reach / max(float(np.linalg.norm(shift)), 1e-9))
+    shift = constraint_type(change.constraint).vector(change.at(np.zeros(1))[0])[0] - vector
+    shift[2] = 0.0
+    reach = 2.0 * task.scene.objects[task.binding[second.role]].region(second.affordance).half_axes.max()
+    return shift * min(1.0, reach / max(float(np.linalg.norm(shift)), 1e-9))
 
 
 def _damping(task: Task, times: Array, settings: PlanSettings) -> Damping:

@@ -132,23 +132,32 @@ def _put_down(task: Task, role: str) -> RigidTransform:
     changes = [c for c in task.model.changes if c.pair.is_own_start and c.pair.first.role == role]
     if not changes:
         return start
-    regions = np.array([task.region_at_start(change.pair.first) for change in changes])
-    displacements = np.array([change.at(np.array([task.model.duration]))[0][0] for change in changes])
-    wanted = regions + displacements
-    turn = Rotation.identity()
-    if len(regions) > 1:
-        before, after = regions[-1] - regions[0], wanted[-1] - wanted[0]
-        if np.hypot(*before[:2]) > np.linalg.norm(before) * np.cos(LYING):
-            yaw = np.arctan2(after[1], after[0]) - np.arctan2(before[1], before[0])
-            turn = Rotation.from_rotvec([0.0, 0.0, (yaw + np.pi) % (2 * np.pi) - np.pi])
-    lowest = int(np.argmin(regions[:, 2]))
-    position = wanted.mean(axis=0) + turn.apply(start.translation - regions.mean(axis=0))
-    if not np.hypot(*(regions[-1] - regions[0])[:2]) > 0.1:  # standing: the lowest region is the one that is placed
-        position = start.translation + displacements[lowest]
-    height = position[2] - start.translation[2]
-    if _is_supported(task, role) and abs(height) < 2 * SUPPORT_TOLERANCE:
+    before = np.array([task.region_at_start(change.pair.first) for change in changes])
+    after = before + np.array([change.at(np.array([task.model.duration]))[0][0] for change in changes])
+    supported = _is_supported(task, role) and abs((after - before)[:, 2].mean()) < 2 * SUPPORT_TOLERANCE
+    turn = _turn(before, after, about_vertical=supported)
+    # What stands is put down where it stands; what ends in the air has no such place, all its regions count alike.
+    kept = before[:, 2] < before[:, 2].min() + SUPPORT_TOLERANCE if supported else np.full(len(before), True)
+    position = after[kept].mean(axis=0) + turn.apply(start.translation - before[kept].mean(axis=0))
+    if supported:
         position[2] = start.translation[2]
     return RigidTransform.from_components(position, turn * start.rotation)
+
+
+def _turn(before: Array, after: Array, about_vertical: bool) -> Rotation:
+    """The smallest rotation that turns the line through an object's regions; of a standing object nothing is known."""
+    if len(before) < 2:
+        return Rotation.identity()
+    first, second = before[-1] - before[0], after[-1] - after[0]
+    if about_vertical:
+        if np.hypot(*first[:2]) < np.linalg.norm(first) * np.cos(LYING):
+            return Rotation.identity()
+        first, second = first * [1.0, 1.0, 0.0], second * [1.0, 1.0, 0.0]
+    axis = np.cross(first, second)
+    length = float(np.linalg.norm(axis))
+    if length < 1e-9:
+        return Rotation.identity()
+    return Rotation.from_rotvec(np.arctan2(length, first @ second) * axis / length)
 
 
 def _is_supported(task: Task, role: str) -> bool:
