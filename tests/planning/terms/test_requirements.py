@@ -61,7 +61,7 @@ def test_closure_is_zero_where_the_second_hand_holds(state):
     exact = Closure(0, 1, held.translation, held.rotation.as_matrix())
     assert np.abs(exact.residual(state)[2]).max() < 1e-8
     assert np.abs(exact.residual(state)[[0, 1, 3, 4]]).max() > 10.0
-    beside = Closure(0, 1, held.translation + [0.003, 0, 0], held.rotation.as_matrix())
+    beside = Closure(0, 1, held.translation + np.array([0.003, 0.0, 0.0]), held.rotation.as_matrix())
     assert np.linalg.norm(beside.residual(state)[2, 0, :3]) == pytest.approx(0.003 / POSITION_SCALE)
 
 
