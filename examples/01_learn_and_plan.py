@@ -18,4 +18,5 @@ if not plan.ok:
 
 for file in sbam.write_plan(plan, folder):
     print(f"wrote {file}")
-print(f"look at {sbam.view(plan, folder / 'recording.html')} in a browser")
+sbam.view(plan, folder / "recording.html")
+print(f"look at {folder / 'recording.html'} in a browser")
