@@ -21,12 +21,17 @@ Array = NDArray[np.float64]
 
 SIMPLEX_POSITION = 0.03  # m: size of the first simplex
 SIMPLEX_ROTATION = 0.2  # rad
-EVALUATIONS = 150  # per pose parameter and keypoint
+EVALUATIONS = 150  # at most, per pose parameter and keypoint
 POSE_TOLERANCE = 1e-4  # m and rad: the simplex is small enough
 MERIT_TOLERANCE = 1e-4  # spread of the objective over the simplex that is small enough
 
 
-def solve_nelder_mead(problem: Problem, start: Array, progress: Callable[[int, int], None] | None = None) -> Solution:
+def solve_nelder_mead(
+    problem: Problem,
+    start: Array,
+    progress: Callable[[int, int], None] | None = None,
+    evaluations: int = EVALUATIONS,
+) -> Solution:
     """Solve keypoint by keypoint with the gradient-free simplex method (paper, section III-D).
 
     At each keypoint the variables are position and rotation vector (6 numbers) of each end effector relative to the
@@ -37,6 +42,7 @@ def solve_nelder_mead(problem: Problem, start: Array, progress: Callable[[int, i
         problem: what to minimise.
         start: (n,) configuration before the first keypoint.
         progress: called with the number of finished keypoints and of all.
+        evaluations: of the objective, at most, per pose parameter and keypoint.
 
     Returns:
         The solution; ``iterations`` counts evaluations of the objective.
@@ -44,20 +50,20 @@ def solve_nelder_mead(problem: Problem, start: Array, progress: Callable[[int, i
     begin = time.perf_counter()
     configurations = np.empty((problem.count, len(start)))
     previous: State | None = None
-    evaluations = 0
+    count = 0
     current = problem.project(start)
     for k in range(problem.count):
-        current, used = _solve_keypoint(problem.at(k, previous), current)
-        evaluations += used
+        current, used = _solve_keypoint(problem.at(k, previous), current, evaluations)
+        count += used
         configurations[k] = current
         previous = problem.at(k, previous).state(current[None])
         if progress:
             progress(k + 1, problem.count)
     state = problem.state(configurations)
-    return describe(problem, state, "paper", 1, evaluations, time.perf_counter() - begin)
+    return describe(problem, state, "paper", 1, count, time.perf_counter() - begin)
 
 
-def _solve_keypoint(problem: Problem, previous: Array) -> tuple[Array, int]:
+def _solve_keypoint(problem: Problem, previous: Array, evaluations: int) -> tuple[Array, int]:
     from scipy.optimize import minimize
 
     workspace = problem.workspace
@@ -92,7 +98,7 @@ def _solve_keypoint(problem: Problem, previous: Array) -> tuple[Array, int]:
         method="Nelder-Mead",
         options={
             "initial_simplex": np.concatenate([np.zeros((1, size)), np.diag(steps)]),
-            "maxfev": EVALUATIONS * size,
+            "maxfev": evaluations * size,
             "xatol": POSE_TOLERANCE,
             "fatol": MERIT_TOLERANCE,
             "adaptive": True,
