@@ -10,7 +10,8 @@ import pytest
 
 from sbam.errors import RenderingError, UnknownNameError
 from sbam.planning.plan import Plan
-from sbam.viewer.pictures import VIEWS, SceneRenderer, render_plan
+from sbam.viewer.camera import VIEWS
+from sbam.viewer.pictures import SceneRenderer, render_plan
 from sbam.viewer.playback import Playback
 
 

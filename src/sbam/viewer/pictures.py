@@ -14,22 +14,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.errors import RenderingError, UnknownNameError
+from sbam.errors import RenderingError
 from sbam.files import write_atomically
 from sbam.planning.plan import Plan
+from sbam.viewer.camera import LOOK_AT, heading_deg, view_named
 from sbam.viewer.playback import Playback, ellipse_rotation
 
 Image = NDArray[np.uint8]
-
-VIEWS = {
-    "opposite": (-112.0, -24.0, 1.55),
-    "left": (-15.0, -12.0, 1.7),
-    "right": (195.0, -12.0, 1.7),
-    "behind": (75.0, -35.0, 2.1),
-    "above": (90.0, -89.0, 2.0),
-}
-"""View -> direction in which the camera looks (degrees from the agent's x axis, counter-clockwise), its pitch in
-degrees (negative looks down), and its distance in m."""
 
 REGION_COLOR = (0.90, 0.35, 0.05, 0.65)
 REGION_THICKNESS = 0.001
@@ -49,7 +40,7 @@ def render_plan(
         plan: the plan.
         path: where to.
         times: s on the trajectory's time axis; by default six that show the action.
-        view: one of `VIEWS`.
+        view: one of `sbam.viewer.camera.VIEWS`.
         size: width and height of each moment, pixels.
         columns: moments in a row.
 
@@ -133,16 +124,13 @@ class SceneRenderer:
         return image[::-1]
 
     def _camera(self, view: str) -> mujoco.MjvCamera:
-        if view not in VIEWS:
-            raise UnknownNameError("view", view, VIEWS)
-        azimuth, elevation, distance = VIEWS[view]
+        wanted = view_named(view)
         T_world_agent = self._playback.plan.T_world_agent
-        right = T_world_agent.rotation.apply([1.0, 0.0, 0.0])
         camera = mujoco.MjvCamera()
         camera.type = mujoco.mjtCamera.mjCAMERA_FREE
-        camera.lookat[:] = T_world_agent.apply([0.0, 0.36, 0.20])
-        camera.azimuth = azimuth + np.degrees(np.arctan2(right[1], right[0]))
-        camera.elevation, camera.distance = elevation, distance
+        camera.lookat[:] = T_world_agent.apply(LOOK_AT)
+        camera.azimuth = wanted.azimuth_deg + heading_deg(T_world_agent)
+        camera.elevation, camera.distance = wanted.elevation_deg, wanted.distance
         return camera
 
     def _add(self, kind: Any, size: Sequence[float], position: Any, rotation: Any, rgba: Any) -> Any:
