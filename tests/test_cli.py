@@ -111,12 +111,13 @@ def test_modes_and_own_names(here) -> None:
 
 def test_plan_writes_trajectory_and_report(learned, here, capsys) -> None:
     arguments = ["plan", str(learned), "--scene", "built-in:pouring_new_layout", "--robot", "panda_dual"]
-    assert main([*arguments, "-o", "out", "--json", "report.json"]) == 0
+    assert main([*arguments, "-o", "out", "--json", "report.json", "--formats", "npz", "csv", "ros"]) == 0
     report = json.loads(Path("report.json").read_text())
     assert report["ok"] and report["problems"] == []
     assert {"seconds", "objective", "keypoints", "joint_names", "checks", "files"} <= report.keys()
     assert all(Path(file).is_file() for file in report["files"])
-    assert {"trajectory.npz", "trajectory.csv", "report.json"} <= {path.name for path in Path("out").iterdir()}
+    names = {path.name for path in Path("out").iterdir()}
+    assert {"trajectory.npz", "trajectory.csv", "trajectory_ros.json", "report.json", "recording.html"} <= names
     assert [path.name for path in Path("out").iterdir() if path.name.startswith(".")] == []
     assert json.loads(Path("out/report.json").read_text())["objective"] == report["objective"]
     assert "checks passed" in capsys.readouterr().out
@@ -131,7 +132,8 @@ def test_a_recording_as_scene_means_its_first_frame(learned, recording, here) ->
     assert np.allclose(scene.T_world_agent.as_matrix(), demonstration.T_world_agent.as_matrix(), atol=1e-9)
 
 
-def test_a_plan_that_fails_is_written_only_if_wanted(learned, here, capsys) -> None:
+def test_a_plan_that_fails_is_written_only_if_wanted(learned, here, capsys, monkeypatch) -> None:
+    monkeypatch.setattr("sbam.planning.plan.ATTEMPTS", 1)
     robot = Path(shutil.copytree(ROBOTS["panda_dual"].parent, here / "robot"), "panda_dual.yaml")
     robot.write_text(re.sub(r"torque: *[0-9.]+", "torque: 1.0", robot.read_text()))  # too weak for its own arms
     plan = ["plan", str(learned), "--scene", "built-in:pouring_new_layout", "--robot", str(robot), "-o", "out"]

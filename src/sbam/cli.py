@@ -30,6 +30,7 @@ robots = SubcommandApp()
 
 Constraints = Literal["cartesian", "cylindrical", "symbolic"]
 Mode = Literal["default", "paper"]
+Format = Literal["npz", "csv", "ros"]
 Recordings = Annotated[
     tuple[str, ...],
     arg(
@@ -173,6 +174,7 @@ class Plan(_Verb):
     ] = ()
     speed: Annotated[float, arg(help="Share of the robot's velocity limits, above 0 to 1.")] = 0.5
     seed: Annotated[int, arg(help="Seed of the random starts.")] = 0
+    formats: Annotated[tuple[Format, ...], arg(help="Formats of the trajectory.")] = ("npz", "csv")
     keep_failed: Annotated[bool, arg(help="Write the plan even if something is wrong with it.")] = False
     objects: Objects = None
 
@@ -190,7 +192,9 @@ class Plan(_Verb):
         settings = sbam.PlanSettings(solver=self.solver, speed=self.speed, seed=self.seed)
         with stages("planning") as progress:
             plan = sbam.plan(model, scene, self.robot, settings, roles, progress)
-            files = write_results(plan, self.output, progress=progress) if plan.ok or self.keep_failed else []
+            files = (
+                write_results(plan, self.output, self.formats, progress=progress) if plan.ok or self.keep_failed else []
+            )
         return {**plan_report(plan), "files": [str(path) for path in files]}
 
     def show(self, report: Report) -> Iterable[RenderableType]:

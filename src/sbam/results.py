@@ -41,6 +41,8 @@ def write_results(
 
     from sbam.export import write_plan
     from sbam.planning.report import plan_report
+    from sbam.viewer.recording import write_recording
+
     def say(stage: str) -> None:
         if progress:
             progress(stage)
@@ -50,10 +52,7 @@ def write_results(
         write_plan(plan, draft, formats, allow_problems=True)
         (draft / "report.json").write_text(json.dumps(plan_report(plan), indent=1) + "\n", encoding="utf-8")
         say("recording")
-        with suppress(ModuleNotFoundError):
-            from sbam.viewer.recording import write_recording
-
-            write_recording(plan, draft / "recording.html")
+        write_recording(plan, draft / "recording.html")
         for one in further:
             one(draft)
 
@@ -86,5 +85,5 @@ def write_folder(folder: Path, write: Callable[[Path], object]) -> list[Path]:
         if draft is not None:
             shutil.rmtree(draft, ignore_errors=True)
         for parent in missing:
-            if parent.exists():
+            with suppress(OSError):  # what is not empty or was never made
                 parent.rmdir()

@@ -55,7 +55,7 @@ def run(verb: Verb) -> int:
     report: Report
     try:
         report = {"verb": name, "ok": True, "problems": [], **verb()}
-        if report["ok"]:
+        if report["ok"] or report.get("files"):
             _print(verb.show(report), to_stderr=verb.json == "-")
     except KeyboardInterrupt:
         _say("interrupted")
