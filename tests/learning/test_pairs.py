@@ -53,7 +53,7 @@ def test_pairs_in_which_nothing_moves_are_dropped():
 @pytest.mark.parametrize("constraint", ["cartesian", "cylindrical", "symbolic"])
 def test_constraint_of_a_pair(constraint):
     for pair in candidate_pairs(POURING, DEFAULT):
-        upright = pair.is_same_object and constraint == "cylindrical"
+        upright = pair.is_same_object
         expected = "cartesian" if pair.is_own_start or upright else constraint
         assert pair_constraint(pair, POURING, constraint, DEFAULT) == expected
     # The pin's handles lie apart, so their azimuth is defined.

@@ -127,12 +127,12 @@ def grasp_of_cup(robot):
     kinematics = robot.kinematics(robot.home[None], ["left_tcp", "right_tcp"])
     return {
         **POSES,
-        "cup_large": RigidTransform.from_components(kinematics.position[0, 0] - [0, 0, 0.06], UP),
-        "apple_juice": RigidTransform.from_components(kinematics.position[0, 1] - [0, 0, 0.2], UP),
+        "cup_large": RigidTransform.from_components(kinematics.position[0, 0] - [0, 0, 0.115], UP),
+        "apple_juice": RigidTransform.from_components(kinematics.position[0, 1] - [0, 0, 0.225], UP),
     }
 
 
-def test_holding_hand_may_touch_what_it_holds(robot, collisions):
+def test_holding_fingers_may_touch_what_they_hold(robot, collisions):
     poses = grasp_of_cup(robot)
     q = np.tile(robot.home, (2, 1))
     free = collisions.clearances(q, poses)
@@ -140,6 +140,8 @@ def test_holding_hand_may_touch_what_it_holds(robot, collisions):
     held = {("cup_large", "left"): np.array([False, True]), ("apple_juice", "right"): np.array([False, True])}
     report = collisions.clearances(q, poses, held)
     assert report.distance_by_class["arm-object"][0] < 0 < report.distance_by_class["arm-object"][1]
+    in_the_palm = {**poses, "cup_large": RigidTransform.from_translation([0, 0, 0.06]) * poses["cup_large"]}
+    assert collisions.clearances(q, in_the_palm, held).distance_by_class["arm-object"][1] < 0
     wrong_hand = {("cup_large", "right"): np.array([True, True])}
     assert (collisions.clearances(q, poses, wrong_hand).distance_by_class["arm-object"] < 0).all()
 

@@ -39,9 +39,9 @@ def random_pouring_scene(seed: int, bottle: str = "apple_juice", cup: str = "cup
 
 
 def random_rolling_scene(seed: int) -> Scene:
-    """A rolling pin lying across, 45-55 cm before the agent, up to 10 cm aside and turned by up to 10 degrees."""
+    """A rolling pin lying across, 52-58 cm before the agent, up to 10 cm aside and turned by up to 10 degrees."""
     generator = np.random.default_rng([seed, 2])
-    right, forward, yaw, roll = generator.uniform([-0.10, 0.45, -10.0, -30.0], [0.10, 0.55, 10.0, 30.0])
+    right, forward, yaw, roll = generator.uniform([-0.10, 0.52, -10.0, -30.0], [0.10, 0.58, 10.0, 30.0])
     library = ObjectLibrary.built_in()
     rotation = Rotation.from_euler("z", yaw, degrees=True) * Rotation.from_euler("x", roll, degrees=True)
     pose = RigidTransform.from_components([right, forward, 0.033], rotation)

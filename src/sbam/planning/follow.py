@@ -9,6 +9,7 @@ from scipy.spatial.transform import RigidTransform
 from sbam.demonstrations.demonstration import Hand
 from sbam.errors import UnreachableError
 from sbam.planning.inverse_kinematics import solve_poses
+from sbam.planning.state import LIMIT_MARGIN
 from sbam.robots import Robot
 
 Array = NDArray[np.float64]
@@ -54,7 +55,7 @@ def follow(
     if missed.any():
         worst = int(np.argmax(np.where(missed, solution.position_error, -1.0)))
         room = np.minimum(q[worst] - robot.lower, robot.upper - q[worst])
-        joints = np.flatnonzero((room < 1e-3) & robot.frame_joints(robot.arms[hand].tcp_frame))
+        joints = np.flatnonzero((room < LIMIT_MARGIN + 1e-3) & robot.frame_joints(robot.arms[hand].tcp_frame))
         names = ", ".join(robot.joint_names[j] for j in joints)
         raise UnreachableError(
             f"{robot.name}'s {hand} hand cannot follow its path {what}"

@@ -46,7 +46,7 @@ class FollowedGrasp:
 
 
 def follow_grasps(
-    robot: Robot, moved: MovedObject, hand: Hand, poses: RigidTransform, seed: int = 0
+    robot: Robot, collision: CollisionModel, moved: MovedObject, hand: Hand, poses: RigidTransform, seed: int = 0
 ) -> list[FollowedGrasp]:
     """All candidate grasps of one hand that work at every checkpoint, best first.
 
@@ -55,6 +55,7 @@ def follow_grasps(
 
     Args:
         robot: robot standing in the agent frame.
+        collision: shapes of the robot and the scene's objects.
         moved: the object.
         hand: the hand.
         poses: M poses of the object at the checkpoints, agent frame, in order of time.
@@ -63,7 +64,7 @@ def follow_grasps(
     Raises:
         UnreachableError: if none works; says which checkpoint and how near the best came.
     """
-    grasps = candidate_grasps(robot, moved, hand)
+    grasps = candidate_grasps(robot, collision, moved, hand)
     joints = np.flatnonzero(robot.frame_joints(robot.arms[hand].tcp_frame))
     checkpoints, count = len(poses), len(grasps)
     tcp = [poses * grasp.T_object_tcp for grasp in grasps]
@@ -187,7 +188,7 @@ def choose_grasps(
     keys: list[tuple[MovedObject, Hand]] = [(moved, hand) for moved in task.moved for hand in moved.hands]
     options = []
     for moved, hand in keys:
-        followed = follow_grasps(robot, moved, hand, poses[moved.role], seed)[:EXAMINE]
+        followed = follow_grasps(robot, collision, moved, hand, poses[moved.role], seed)[:EXAMINE]
         joints = robot.frame_joints(robot.arms[hand].tcp_frame)
         configurations = np.array([np.where(joints, item.configurations, robot.home) for item in followed])
         clearance = _clearances(task, collision, configurations, poses, ("self", "arm-support", "arm-object"))

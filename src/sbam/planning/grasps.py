@@ -17,14 +17,18 @@ from sbam.demonstrations.demonstration import Hand
 from sbam.errors import UnreachableError
 from sbam.planning.task import MovedObject
 from sbam.robots import Robot
+from sbam.robots.collision import CollisionModel
+from sbam.robots.collision_pairs import hand_bodies
 from sbam.scene import GraspRegion
 
 Array = NDArray[np.float64]
 
 AZIMUTHS = np.deg2rad(np.arange(-180.0, 180.0, 30.0))  # 0: approach forward, + turns to the left
-TILTS_AROUND = np.deg2rad([15.0, 30.0, 45.0, 60.0])  # fingers point down by this
+TILTS_AROUND = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0])  # fingers point down by this
 TILTS_ACROSS = np.deg2rad([0.0, 20.0, 40.0, 60.0])  # approach from above, leaning forward by this
 HEIGHTS = (0.5, 0.0, -0.5)  # along the region's axis, shares of its half length
+DEPTHS = (0.0, 0.006, 0.012, 0.018)  # m that the TCP may stay short of the axis so that only fingers touch the object
+PALM_CLEARANCE = 0.002  # m between the palm and what the fingers hold
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,7 @@ class Grasp:
         region: name of the object's grasp region.
         T_object_tcp: pose of the tool centre point (TCP) in the object's frame.
         azimuth: direction of approach about the vertical at the start, 0 forward, positive to the left, rad.
+        depth: how far the TCP stays short of the region's axis, so that the palm does not touch, m.
         tilt: how far the approach points down (vessels) or leans forward from vertical (bars), rad.
         flipped: whether the hand is turned by half a turn about its approach.
         width: opening of the fingers when they hold, m.
@@ -48,17 +53,19 @@ class Grasp:
     region: str
     T_object_tcp: RigidTransform
     azimuth: float
+    depth: float
     tilt: float
     flipped: bool
     width: float
     human_distance: float
 
 
-def candidate_grasps(robot: Robot, moved: MovedObject, hand: Hand) -> tuple[Grasp, ...]:
-    """All grasps of an object that fit between one hand's fingers, in no order.
+def candidate_grasps(robot: Robot, collision: CollisionModel, moved: MovedObject, hand: Hand) -> tuple[Grasp, ...]:
+    """All grasps of an object that fit one hand: between its fingers, and clear of its palm; in no order.
 
     Args:
         robot: the robot.
+        collision: shapes of the robot and the scene's objects.
         moved: the object, standing at its start.
         hand: the hand.
 
@@ -74,7 +81,10 @@ def candidate_grasps(robot: Robot, moved: MovedObject, hand: Hand) -> tuple[Gras
             f"object {moved.name!r} has no grasp region that fits {robot.name}'s {hand} hand "
             f"(opens {1e3 * opening:.0f} mm): {sizes}"
         )
-    return tuple(grasp for region in fitting for grasp in _around_or_across(robot, moved, hand, region))
+    grasps = [grasp for region in fitting for grasp in _at_region(robot, collision, moved, hand, region)]
+    if not grasps:
+        raise UnreachableError(f"the palm of {robot.name}'s {hand} hand touches {moved.name!r} in every grasp")
+    return tuple(grasps)
 
 
 def _regions_for(moved: MovedObject, hand: Hand) -> list[GraspRegion]:
@@ -83,17 +93,27 @@ def _regions_for(moved: MovedObject, hand: Hand) -> list[GraspRegion]:
     return named or [r for r in moved.model.grasp_regions if not {"left", "right"} & set(r.name.split())]
 
 
-def _around_or_across(robot: Robot, moved: MovedObject, hand: Hand, region: GraspRegion) -> list[Grasp]:
+def _at_region(
+    robot: Robot, collision: CollisionModel, moved: MovedObject, hand: Hand, region: GraspRegion
+) -> list[Grasp]:
     axis = moved.start.rotation.apply(region.axis)
     human = _human_azimuths(moved, hand, region)
     grasps = []
     for height in HEIGHTS if region.kind == "around" else (0.0,):
         center = moved.start.apply(region.center + height * region.half_length * region.axis)
-        for azimuth, tilt, approach, opening in _directions(moved, region, axis):
+        directions = _directions(moved, region, axis)
+        depths: dict[float, float | None] = {}
+        for azimuth, tilt, approach, opening in directions:
+            rotation = _tcp_rotation(robot, hand, approach, opening)
+            if tilt not in depths:  # round objects and faces look alike from every azimuth
+                depths[tilt] = _depth(robot, collision, moved, hand, center, approach, rotation)
+            depth = depths[tilt]
+            if depth is None:
+                continue
             distance = float(np.abs(_wrap(azimuth - human)).min(initial=np.pi)) if len(human) else 0.0
             for flipped in (False, True):
-                rotation = _tcp_rotation(robot, hand, approach, -opening if flipped else opening)
-                T_agent_tcp = RigidTransform.from_components(center, rotation)
+                turned = _tcp_rotation(robot, hand, approach, -opening) if flipped else rotation
+                T_agent_tcp = RigidTransform.from_components(center - depth * approach, turned)
                 grasps.append(
                     Grasp(
                         role=moved.role,
@@ -101,6 +121,7 @@ def _around_or_across(robot: Robot, moved: MovedObject, hand: Hand, region: Gras
                         region=region.name,
                         T_object_tcp=moved.start.inv() * T_agent_tcp,
                         azimuth=azimuth,
+                        depth=depth,
                         tilt=tilt,
                         flipped=flipped,
                         width=region.width,
@@ -108,6 +129,36 @@ def _around_or_across(robot: Robot, moved: MovedObject, hand: Hand, region: Gras
                     )
                 )
     return grasps
+
+
+def _depth(
+    robot: Robot,
+    collision: CollisionModel,
+    moved: MovedObject,
+    hand: Hand,
+    center: Array,
+    approach: Array,
+    rotation: Rotation,
+) -> float | None:
+    """How far the TCP must stay short of the axis so that only fingers touch the object; None if no depth will do."""
+    home = robot.clip(robot.home)
+    frame = robot.kinematics(home[None], [robot.arms[hand].tcp_frame])
+    T_agent_home = RigidTransform.from_components(frame.position[0, 0], Rotation.from_matrix(frame.rotation[0, 0]))
+    centers = center - np.array(DEPTHS)[:, None] * approach
+    T_agent_tcp = RigidTransform.from_components(centers, rotation)
+    # The arm stays at home and the object comes to the hand, everything else far away.
+    away = RigidTransform.from_translation([0.0, 0.0, -100.0])
+    objects = dict.fromkeys(collision.shapes.objects, away)
+    objects[moved.name] = T_agent_home * T_agent_tcp.inv() * moved.start
+    held: dict[tuple[str, Hand], NDArray[np.bool_]] = {(moved.name, hand): np.ones(len(DEPTHS), dtype=bool)}
+    near = collision.near(np.tile(home, (len(DEPTHS), 1)), objects, held, margin=PALM_CLEARANCE)
+    own = set(hand_bodies(robot, hand))
+    touching = {
+        int(sample)
+        for sample, first, second in zip(near.sample, near.first, near.second, strict=True)
+        if moved.name in (first, second) and own & {first, second}
+    }
+    return next((depth for i, depth in enumerate(DEPTHS) if i not in touching), None)
 
 
 def _directions(moved: MovedObject, region: GraspRegion, axis: Array) -> list[tuple[float, float, Array, Array]]:

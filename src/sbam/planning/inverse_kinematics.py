@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.planning.rotation_error import left_jacobian_inverse, rotation_error
-from sbam.planning.state import Workspace
+from sbam.planning.state import Workspace, planning_limits
 from sbam.robots import Robot
 
 Array = NDArray[np.float64]
@@ -71,9 +71,10 @@ def solve_poses(
     columns = np.array([workspace.arms.index(arm) for arm in arms])
     joints = np.flatnonzero(workspace.arm_joints[columns].any(axis=0))
     batch = len(position)
-    q = np.clip(np.broadcast_to(start, (batch, len(robot.joint_names))), robot.lower, robot.upper).astype(float)
+    lowest, highest = planning_limits(robot)
+    q = np.clip(np.broadcast_to(start, (batch, len(robot.joint_names))), lowest, highest).astype(float)
     q_reference = q.copy() if reference is None else np.broadcast_to(reference, q.shape)
-    lower, upper = robot.lower[joints], robot.upper[joints]
+    lower, upper = lowest[joints], highest[joints]
     for weight in pull:
         active = np.arange(batch)
         damping = np.full(batch, 1e-3)

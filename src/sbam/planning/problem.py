@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.planning.state import State, Workspace
+from sbam.planning.state import State, Workspace, planning_limits
 from sbam.planning.terms import EXACT, Smoothing, Term
 
 Array = NDArray[np.float64]
@@ -29,13 +29,13 @@ class Problem:
 
     @property
     def lower(self) -> Array:
-        """(n,) lower joint limits, rad or m; -inf for continuous joints."""
-        return self.workspace.robot.lower
+        """(n,) lower joint limits to plan with, rad or m; -inf for continuous joints."""
+        return planning_limits(self.workspace.robot)[0]
 
     @property
     def upper(self) -> Array:
-        """(n,) upper joint limits, rad or m; inf for continuous joints."""
-        return self.workspace.robot.upper
+        """(n,) upper joint limits to plan with, rad or m; inf for continuous joints."""
+        return planning_limits(self.workspace.robot)[1]
 
     def project(self, configurations: Array) -> Array:
         """The nearest configurations within the joint limits."""

@@ -18,6 +18,14 @@ from sbam.robots import Kinematics, Robot
 Array = NDArray[np.float64]
 
 
+LIMIT_MARGIN = 0.005  # rad (or m) kept from every limit, so that splines between configurations do not exceed it
+
+
+def planning_limits(robot: Robot) -> tuple[Array, Array]:
+    """Lower and upper joint limits (n,) to plan with, rad or m; infinite for continuous joints."""
+    return robot.lower + LIMIT_MARGIN, robot.upper - LIMIT_MARGIN
+
+
 @dataclass(frozen=True)
 class Carrying:
     """An object rigidly held by one arm.

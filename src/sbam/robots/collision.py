@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import RigidTransform
 
 from sbam.errors import UnknownNameError
-from sbam.robots.collision_pairs import PAIR_CLASSES, collision_pairs, hand_bodies
+from sbam.robots.collision_pairs import PAIR_CLASSES, collision_pairs, gripping_bodies
 from sbam.robots.collision_shapes import CollisionShapes
 from sbam.robots.description import ArmName
 from sbam.robots.robot import Robot
@@ -80,9 +80,9 @@ class CollisionModel:
     """Robot and objects as shapes.
 
     Pair classes: ``arm-arm``; ``self`` (an arm with itself or the robot's body, links that share a joint excepted);
-    ``arm-support`` (what joints move, with immovable objects); ``arm-object`` (with movable objects, the holding
-    hand excepted); ``object-object`` (movable objects, when one of them is held). Objects on their supports are not
-    compared: they touch by intention. Pairs that the robot's model file excludes stay excluded.
+    ``arm-support`` (what joints move, with immovable objects); ``arm-object`` (with movable objects, the fingers of the
+    holding hand excepted); ``object-object`` (movable objects, when one of them is held). Objects on their supports are
+    not compared: they touch by intention. Pairs that the robot's model file excludes stay excluded.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class CollisionModel:
         self.robot = robot
         self.shapes = CollisionShapes(robot, objects)
         self._pairs, self._classes = collision_pairs(robot, self.shapes, objects, allowed)
-        self._hands = {side: hand_bodies(robot, side) for side in robot.arms}
+        self._hands = {side: gripping_bodies(robot, side) for side in robot.arms}
 
     def clearances(
         self,
@@ -112,7 +112,7 @@ class CollisionModel:
         Args:
             configurations: (B, n) joint positions.
             T_world_object: every object's pose in the world: one, or B of them.
-            held: (object, arm) -> (B,) mask of the samples at which that hand may touch that object.
+            held: (object, arm) -> (B,) mask of the samples at which that hand's fingers may touch that object.
             distance_max: farther pairs are not looked at, m.
 
         Raises:

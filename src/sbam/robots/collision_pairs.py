@@ -29,6 +29,12 @@ def hand_bodies(robot: Robot, side: ArmName) -> tuple[str, ...]:
     return tuple(model.body(body).name for body in sorted(hand))
 
 
+def gripping_bodies(robot: Robot, side: ArmName) -> tuple[str, ...]:
+    """Bodies that may touch what the hand holds: its fingers, or the whole hand if it has none."""
+    bodies = hand_bodies(robot, side)
+    return bodies[1:] or bodies
+
+
 def collision_pairs(
     robot: Robot, shapes: CollisionShapes, objects: Mapping[str, ObjectModel], allowed: Collection[tuple[str, str]]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
