@@ -17,7 +17,7 @@ from sbam.robots import Robot
 Array = NDArray[np.float64]
 
 START_TOLERANCE = 1e-3  # rad: Franka's interface wants the first point at the current posture
-CONTINUITY = 1e-3  # rad/s, rad/s^2: what finite differences of the samples may differ from the stated derivatives
+CONTINUITY = 1e-3  # rad/s: what finite differences of the positions may differ from the stated velocities
 
 
 @dataclass(frozen=True)
@@ -72,31 +72,33 @@ def check_receivers(robot: Robot, trajectory: JointTrajectory, start: Array, spe
     if not all(check.ok for check in checks):
         return checks
 
-    def worst_joint(name: str, excess: Array, limit: float, unit: str, value: Array | None = None) -> Check:
+    def worst_joint(name: str, excess: Array, limit: float, unit: str, first_sample: int = 0) -> Check:
         sample, joint = np.unravel_index(int(np.argmax(excess)), excess.shape)
-        shown = float((excess if value is None else value)[sample, joint])
-        where = f"{t.joint_names[joint]} at {t.time[sample]:.3f} s"
-        return Check(name, bool(excess[sample, joint] <= limit), shown, limit, unit, where)
+        where = f"{t.joint_names[joint]} at {t.time[first_sample + sample]:.3f} s"
+        worst = float(excess[sample, joint])
+        return Check(name, worst <= limit, worst, limit, unit, where)
 
     outside = np.maximum(robot.lower - t.position, t.position - robot.upper)
     velocity_limit = speed * robot.velocity_limit
     acceleration_limit = speed**2 * robot.acceleration_limit
     jerk_limit = speed**3 * robot.jerk_limit
     jerk = np.diff(t.acceleration, axis=0) / steps[:, None]
-    # Between samples the mean of the stated derivative must account for the change of the value.
+    # Between samples the mean of the stated derivative must account for the change of the value, up to what the rule
+    # itself may be off where the jerk is as large as allowed: step^2 / 12 of it.
     velocity_gap = np.diff(t.position, axis=0) / steps[:, None] - 0.5 * (t.velocity[1:] + t.velocity[:-1])
     acceleration_gap = np.diff(t.velocity, axis=0) / steps[:, None] - 0.5 * (t.acceleration[1:] + t.acceleration[:-1])
-    slack = jerk_limit * steps.max()
+    velocity_slack = CONTINUITY + jerk_limit * steps.max() ** 2 / 12.0
+    acceleration_slack = jerk_limit * steps.max()
     checks += [
         worst_joint("start at the current posture", np.abs(t.position[:1] - start), START_TOLERANCE, "rad"),
         worst_joint("position limits", outside, 1e-9, "rad outside"),
         worst_joint("velocity limits", np.abs(t.velocity) / velocity_limit, 1.0, "of the limit"),
         worst_joint("acceleration limits", np.abs(t.acceleration) / acceleration_limit, 1.0, "of the limit"),
         worst_joint("jerk limits", np.abs(jerk) / jerk_limit, 1.0, "of the limit"),
-        worst_joint("velocity continuity", np.abs(velocity_gap), CONTINUITY, "rad/s"),
-        worst_joint("acceleration continuity", np.abs(acceleration_gap) / slack, 1.0, "of a jerk step"),
+        worst_joint("velocity continuity", np.abs(velocity_gap) / velocity_slack, 1.0, "of what rounding allows"),
+        worst_joint("acceleration continuity", np.abs(acceleration_gap) / acceleration_slack, 1.0, "of a jerk step"),
         worst_joint("start at rest", np.abs(t.velocity[:1]), 1e-9, "rad/s"),
-        worst_joint("end at rest", np.abs(t.velocity[-1:]), 1e-9, "rad/s"),
+        worst_joint("end at rest", np.abs(t.velocity[-1:]), 1e-9, "rad/s", count - 1),
     ]
     return checks
 
