@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,33 +17,50 @@ from sbam.planning.terms import EXACT, Smoothing
 
 Array = NDArray[np.float64]
 
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage of a descent.
+
+    Attributes:
+        smoothing: how the kinks are rounded.
+        tolerance: the stage ends when an iteration lowers the merit by less than this share.
+    """
+
+    smoothing: Smoothing
+    tolerance: float
+
+
 # Coarse to fine: the optimum sits on kinks of the sum of norms, which a fine smoothing alone does not find.
-SCHEDULE = (Smoothing(0.3, 3e-2, 3e-3), Smoothing(0.03, 5e-3, 1e-3), Smoothing(1e-3, 1e-3, 1e-6))
+SCHEDULE = (
+    Stage(Smoothing(0.3, 3e-2, 3e-3), 1e-3),
+    Stage(Smoothing(0.03, 5e-3, 1e-3), 1e-3),
+    Stage(Smoothing(1e-3, 1e-3, 1e-6), 1e-4),
+)
 MAX_STEP = 0.5  # rad (or m) per iteration and joint
 
 
 def descend(
     problem: Problem,
     start: Array,
-    schedule: Sequence[Smoothing] = SCHEDULE,
+    schedule: Sequence[Stage] = SCHEDULE,
     max_iterations: int = 40,
-    tolerance: float = 1e-5,
 ) -> tuple[State, int]:
     """Descend from one start.
 
     Args:
         problem: what to minimise.
         start: (K, n) configurations; projected to the limits.
-        schedule: smoothings, coarse to fine.
-        max_iterations: most linear solves at each smoothing.
-        tolerance: a stage ends when the merit falls by less than this share in an iteration.
+        schedule: stages, coarse to fine.
+        max_iterations: most iterations in each stage.
 
     Returns:
         The final state and the number of linear solves.
     """
     state = problem.state(problem.project(start))
     iterations = 0
-    for smoothing in schedule:
+    for stage in schedule:
+        smoothing = stage.smoothing
         damping = 1e-2
         merit = problem.merit(state, smoothing)
         for _ in range(max_iterations):
@@ -62,18 +80,18 @@ def descend(
                     damping = max(damping / 5.0, 1e-9)
                     break
                 damping *= 6.0
-            if gain <= tolerance * abs(merit):
+            if gain <= stage.tolerance * abs(merit):
                 break
     return state, iterations
 
 
-def sequential(problem: Problem, start: Array, schedule: Sequence[Smoothing] = SCHEDULE[:2]) -> tuple[Array, int]:
+def sequential(problem: Problem, start: Array, schedule: Sequence[Stage] = SCHEDULE[:1]) -> tuple[Array, int]:
     """Solve keypoint by keypoint, each from the previous solution: the paper's order, and a start for all at once.
 
     Args:
         problem: what to minimise.
         start: (n,) configuration to start the first keypoint from.
-        schedule: smoothings for each keypoint.
+        schedule: stages for each keypoint.
 
     Returns:
         (K, n) configurations and the number of linear solves.
@@ -81,7 +99,7 @@ def sequential(problem: Problem, start: Array, schedule: Sequence[Smoothing] = S
     previous: State | None = None
     configurations, iterations = np.empty((problem.count, len(start))), 0
     for k in range(problem.count):
-        state, used = descend(problem.at(k, previous), start[None], schedule, max_iterations=15, tolerance=1e-3)
+        state, used = descend(problem.at(k, previous), start[None], schedule, max_iterations=15)
         previous, start, iterations = state, state.configurations[0], iterations + used
         configurations[k] = start
     return configurations, iterations
