@@ -95,6 +95,9 @@ def test_learn_add_show(here, capsys) -> None:
     assert spreads == sorted(spreads)
     text = capsys.readouterr().out
     assert "pour from of pour_from -> pour into of pour_into" in text
+    assert main(["show", "both.json", "--plots", "figures", "--json", "plots.json"]) == 0
+    plots = json.loads(Path("plots.json").read_text())["plots"]
+    assert plots and all(Path(path).stat().st_size > 1000 for path in plots)
 
 
 def test_add_without_output_changes_the_model_in_place(here) -> None:
@@ -142,7 +145,8 @@ def test_a_plan_that_fails_is_written_only_if_wanted(learned, here, capsys, monk
     assert not report["ok"] and any("torque limits" in problem for problem in report["problems"])
     assert capsys.readouterr().err.splitlines() == [f"sbam: {problem}" for problem in report["problems"]]
     assert not Path("out").exists()
-    assert main([*plan, "--keep-failed"]) == 1
+    assert main([*plan, "--keep-failed", "--plots"]) == 1
+    assert list(Path("out/plots").glob("*.png"))
     assert Path("out/trajectory.npz").is_file()
     assert json.loads(Path("out/report.json").read_text())["ok"] is False
 
@@ -332,6 +336,7 @@ def test_unknown_robots_and_roles(learned, here, capsys) -> None:
         ["learn", JUICE, "-o", "model.json", "--constraints", "polar"],
         ["plan", "model.json", "--scene", "scene.yaml", "-o", "out", "--roles", "pour_from"],
         ["plan", "model.json", "--scene", "scene.yaml", "-o", "out", "--speed", "2"],
+        ["plan", "model.json", "--scene", "scene.yaml", "-o", "out", "--seed", "-1"],
     ],
 )
 def test_wrong_usage_ends_with_2(here, capsys, arguments: list[str]) -> None:

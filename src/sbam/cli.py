@@ -175,6 +175,7 @@ class Plan(_Verb):
     speed: Annotated[float, arg(help="Share of the robot's velocity limits, above 0 to 1.")] = 0.5
     seed: Annotated[int, arg(help="Seed of the random starts.")] = 0
     formats: Annotated[tuple[Format, ...], arg(help="Formats of the trajectory.")] = ("npz", "csv")
+    plots: Annotated[bool, arg(help="Also draw figures: demonstrated, learned and executed; joints; paths.")] = False
     keep_failed: Annotated[bool, arg(help="Write the plan even if something is wrong with it.")] = False
     objects: Objects = None
 
@@ -187,14 +188,15 @@ class Plan(_Verb):
         roles = _choices(self.roles)
         if not 0.0 < self.speed <= 1.0:
             raise usage_error(f"--speed {self.speed:g} is not above 0 and at most 1")
+        if self.seed < 0:
+            raise usage_error(f"--seed {self.seed} is negative")
         model = sbam.load_model(self.model)
         scene = sbam.load_scene(self.scene, _library(self.objects))
         settings = sbam.PlanSettings(solver=self.solver, speed=self.speed, seed=self.seed)
         with stages("planning") as progress:
             plan = sbam.plan(model, scene, self.robot, settings, roles, progress)
-            files = (
-                write_results(plan, self.output, self.formats, progress=progress) if plan.ok or self.keep_failed else []
-            )
+            wanted = plan.ok or self.keep_failed
+            files = write_results(plan, self.output, self.formats, self.plots, progress=progress) if wanted else []
         return {**plan_report(plan), "files": [str(path) for path in files]}
 
     def show(self, report: Report) -> Iterable[RenderableType]:

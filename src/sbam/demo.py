@@ -54,9 +54,12 @@ def run_demo(
     if planned.ok:
 
         def further(draft: Path) -> None:
-            save_model(model, draft / "model.json")
+            from sbam.plots import write_model_plots
 
-        files = timed("write", lambda: write_results(planned, folder, further=[further], progress=say))
+            save_model(model, draft / "model.json")
+            write_model_plots(model, draft / "plots", demonstrations)
+
+        files = timed("write", lambda: write_results(planned, folder, plots=True, further=[further], progress=say))
     return {
         "ok": planned.ok,
         "problems": list(planned.problems),

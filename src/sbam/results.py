@@ -19,15 +19,17 @@ def write_results(
     plan: Plan,
     folder: str | Path,
     formats: Iterable[str] = FORMATS,
+    plots: bool = False,
     further: Iterable[Callable[[Path], object]] = (),
     progress: Callable[[str], None] | None = None,
 ) -> list[Path]:
-    """Write a plan's trajectory, its report and a self-contained recording; all of them, or nothing.
+    """Write a plan's trajectory, its report, a self-contained recording and plots; all of them, or nothing.
 
     Args:
         plan: the plan, whether it is ok or not.
         folder: where to; made if needed. Other files in it stay.
         formats: of the trajectory, see `sbam.export.TRAJECTORY_FORMATS`.
+        plots: whether to draw the plan's figures into the folder ``plots``.
         further: functions that write more into a folder that they are given.
         progress: called with the name of each stage as it begins.
 
@@ -53,6 +55,11 @@ def write_results(
         (draft / "report.json").write_text(json.dumps(plan_report(plan), indent=1) + "\n", encoding="utf-8")
         say("recording")
         write_recording(plan, draft / "recording.html")
+        if plots:
+            from sbam.plots import write_plan_plots
+
+            say("plots")
+            write_plan_plots(plan, draft / "plots")
         for one in further:
             one(draft)
 
