@@ -15,14 +15,18 @@ from sbam.planning.problem import Problem
 from sbam.planning.settings import PlanSettings
 from sbam.planning.state import Carrying, RegionPoint, Workspace
 from sbam.planning.task import Task
-from sbam.planning.terms import Closure, Damping, Resting, Similarity, Smoothness, Term
+from sbam.planning.terms import Closure, Damping, HumanLikeness, Resting, Similarity, Smoothness, Term
 from sbam.planning.weights import pair_weights
+from sbam.robots import HumanLikeness as HumanLikenessPosture
 from sbam.robots import Robot
 
 Array = NDArray[np.float64]
 
 # Mode `paper`: w'_o = c dt std, c in 1/(mm s) for lengths and 1/(log s) for log-densities. Larger values stop the pour.
 PAPER_DAMPING = {"cartesian": 1e-3, "cylindrical": 1e-3, "symbolic": 1e-4}
+
+
+DEFAULT_HUMAN_LIKENESS = 1.0  # lambda_h of robots whose arms are like a person's
 
 
 def build_problem(
@@ -58,8 +62,14 @@ def build_problem(
         else RegionPoint(-1, task.region_at_start(reference))
         for reference in references
     ]
-    workspace = Workspace(robot, carryings, points)
+    weight = settings.human_likeness
+    if weight is None:
+        weight = DEFAULT_HUMAN_LIKENESS if robot.description.human_likeness else 0.0
+    posture = HumanLikenessPosture(robot) if weight > 0 else None
+    workspace = Workspace(robot, carryings, points, posture.frames if posture else ())
     terms: list[Term] = [*_similarities(task, references, times, settings), _damping(task, times, settings)]
+    if posture:
+        terms.append(HumanLikeness(weight, posture))
     if task.model.mode == "default":
         terms.append(_resting(task, times))
         terms.append(Smoothness(settings.smoothness))

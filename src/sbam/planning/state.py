@@ -55,16 +55,26 @@ class RegionPoint:
 
 
 class Workspace:
-    """Robot, carried objects and regions; makes a `State` from configurations."""
+    """Robot, carried objects and regions; makes a `State` from configurations.
 
-    def __init__(self, robot: Robot, carryings: Sequence[Carrying], regions: Sequence[RegionPoint]) -> None:
+    Terms that look at other frames than the arms' tool centre points (TCPs) name them in ``more_frames``.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        carryings: Sequence[Carrying],
+        regions: Sequence[RegionPoint],
+        more_frames: Sequence[str] = (),
+    ) -> None:
         self.robot = robot
         self.carryings = tuple(carryings)
         self.regions = tuple(regions)
         self.arms = tuple(robot.arms)
-        self._frames = tuple(robot.arms[arm].tcp_frame for arm in self.arms)
+        tcp_frames = tuple(robot.arms[arm].tcp_frame for arm in self.arms)
+        self._frames = tcp_frames + tuple(frame for frame in more_frames if frame not in tcp_frames)
         self.arm_of = np.array([self.arms.index(carrying.arm) for carrying in self.carryings], dtype=int)
-        self.arm_joints = np.array([robot.frame_joints(frame) for frame in self._frames])
+        self.arm_joints = np.array([robot.frame_joints(frame) for frame in tcp_frames])
         self.tcp_to_object = np.array([c.T_tcp_object.translation for c in self.carryings]).reshape(-1, 3)
         self.R_tcp_object = np.array([c.T_tcp_object.rotation.as_matrix() for c in self.carryings]).reshape(-1, 3, 3)
         self.carried = np.array([i for i, region in enumerate(self.regions) if region.carrying >= 0], dtype=int)
@@ -88,7 +98,7 @@ class State:
     Attributes:
         workspace: robot, carried objects and regions.
         configurations: (K, n) rad or m.
-        kinematics: frames are the arms' TCPs, in the order of ``workspace.arms``.
+        kinematics: first frames are the arms' TCPs, in the order of ``workspace.arms``.
     """
 
     workspace: Workspace

@@ -48,7 +48,7 @@ def test_a_linear_least_squares_problem_within_limits(panda, tether):
     step = np.eye(count) - np.eye(count, k=-1)
     matrix = np.kron(np.concatenate([np.eye(count), np.sqrt(0.8) * step]), np.eye(joints))
     right = np.concatenate([wanted, np.sqrt(0.8) * np.eye(count)[:, :1] * panda.home]).ravel()
-    expected = lsq_linear(matrix, right, (np.tile(panda.lower, count), np.tile(panda.upper, count)), tol=1e-14)
+    expected = lsq_linear(matrix, right, (np.tile(problem.lower, count), np.tile(problem.upper, count)), tol=1e-14)
     assert solution.objective == pytest.approx(expected.cost, rel=1e-4)
     np.testing.assert_allclose(solution.configurations.ravel(), expected.x, atol=2e-2)
     assert (expected.active_mask != 0).any()
@@ -82,11 +82,11 @@ def test_the_merit_never_rises_and_limits_hold(which, small_plan, rolling_plan, 
     plan = small_plan if which == "pouring" else rolling_plan
     problem = problem_of(plan, plan.task.model.keypoint_times[3:18:5])
     start = problem.project(1.3 * within_limits(plan.robot, np.random.default_rng(7), problem.count))
-    for smoothing in SCHEDULE:
-        merits = [problem.merit(problem.state(start), smoothing)]
+    for stage in SCHEDULE:
+        merits = [problem.merit(problem.state(start), stage.smoothing)]
         for iterations in range(1, 8):
-            state, _ = descend(problem, start, [smoothing], max_iterations=iterations)
-            merits.append(problem.merit(state, smoothing))
+            state, _ = descend(problem, start, [stage], max_iterations=iterations)
+            merits.append(problem.merit(state, stage.smoothing))
             assert (state.configurations >= problem.lower).all()
             assert (state.configurations <= problem.upper).all()
         assert (np.diff(merits) <= 0.0).all()
