@@ -28,6 +28,7 @@ TILTS_AROUND = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0])  # fingers point down b
 TILTS_ACROSS = np.deg2rad([0.0, 20.0, 40.0, 60.0])  # approach from above, leaning forward by this
 HEIGHTS = (0.5, 0.0, -0.5)  # along the region's axis, shares of its half length
 DEPTHS = (0.0, 0.006, 0.012, 0.018)  # m that the TCP may stay short of the axis so that only fingers touch the object
+ALONG_AXIS = 0.2  # sine of the angle below which a direction counts as along an axis and leads to no grasp
 PALM_CLEARANCE = 0.002  # m between the palm and what the fingers hold
 
 
@@ -70,7 +71,7 @@ def candidate_grasps(robot: Robot, collision: CollisionModel, moved: MovedObject
         hand: the hand.
 
     Raises:
-        UnreachableError: if the object has no grasp region that fits the hand.
+        UnreachableError: if the object has no grasp region that fits the hand, or none without touching the palm.
     """
     opening = robot.arms[hand].hand.max_width
     regions = _regions_for(moved, hand)
@@ -83,7 +84,10 @@ def candidate_grasps(robot: Robot, collision: CollisionModel, moved: MovedObject
         )
     grasps = [grasp for region in fitting for grasp in _at_region(robot, collision, moved, hand, region)]
     if not grasps:
-        raise UnreachableError(f"the palm of {robot.name}'s {hand} hand touches {moved.name!r} in every grasp")
+        raise UnreachableError(
+            f"{robot.name}'s {hand} hand finds no grasp of {moved.name!r} as it stands or lies: "
+            "its palm would touch the object, or its region is upright where it should lie"
+        )
     return tuple(grasps)
 
 
@@ -168,14 +172,20 @@ def _directions(moved: MovedObject, region: GraspRegion, axis: Array) -> list[tu
         for azimuth in _azimuths(moved, region, axis):
             outward = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
             outward -= axis * (outward @ axis)
-            outward /= np.linalg.norm(outward)
+            length = np.linalg.norm(outward)
+            if length < ALONG_AXIS:
+                continue
+            outward /= length
             for tilt in TILTS_AROUND:
                 directions.append(
                     (azimuth, tilt, np.cos(tilt) * outward - np.sin(tilt) * axis, np.cross(axis, outward))
                 )
         return directions
     forward = np.cross(np.array([0.0, 0.0, 1.0]), axis)
-    forward *= np.sign(forward[1]) / np.linalg.norm(forward)
+    length = np.linalg.norm(forward)
+    if length < ALONG_AXIS:
+        return []
+    forward *= np.copysign(1.0, forward[1]) / length
     azimuth = float(np.arctan2(-forward[0], forward[1]))
     for tilt in TILTS_ACROSS:
         approach = np.array([0.0, 0.0, -np.cos(tilt)]) + np.sin(tilt) * forward
