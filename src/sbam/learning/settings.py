@@ -30,7 +30,7 @@ class LearningSettings:
         length_amplitude_floor: smallest amplitude of a length for that threshold, m; below it is noise.
         angle_amplitude_floor: the same for angles, rad.
         log_amplitude_floor: the same for log-densities.
-        gap_cost: cost of leaving a keypoint without a partner; a match costs |dt|/duration + |dv|/amplitude.
+        gap_cost: cost of leaving a keypoint without a partner; a match costs ``|dt|/duration + |dv|/amplitude``.
         keypoint_bins: bins of the histogram of keypoint candidates.
         keypoint_cutoff: cut-off of its low-pass filter, part of the Nyquist frequency.
         keypoint_prominence: least prominence of its peaks, part of its maximum.
