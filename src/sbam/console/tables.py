@@ -53,7 +53,7 @@ def model_tables(report: Report) -> Iterator[RenderableType]:
     )
     yield table(
         "Pairs, the most relevant first",
-        ("pair", "constraint", "precision", "at, s", "spread / layouts'", "channels (smallest std)"),
+        ("pair", "constraint", "precision", "at, s", "spread / layouts'", "channels (mean std)"),
         (
             (
                 pair["pair"],
@@ -61,7 +61,7 @@ def model_tables(report: Report) -> Iterator[RenderableType]:
                 pair["precision"],
                 pair["best_time"],
                 f"{pair['spread']:.2f}{' (fixed)' if pair['fixed'] else ''}",
-                ", ".join(f"{one['name']} {_with_unit(one['smallest_std'], one['unit'])}" for one in pair["channels"]),
+                ", ".join(f"{one['name']} {_with_unit(one['mean_std'], one['unit'])}" for one in pair["channels"]),
             )
             for pair in report["pairs"]
         ),
