@@ -112,10 +112,11 @@ def measure_rolling(plan: Plan, half_strokes: int = 8, role: str = "handle_left"
         if change.pair.is_own_start and change.pair.first.affordance == f"handle {side}"
     ]
     turns = _turning_points(middle)
-    values: dict[str, float] = {"half-strokes": float(max(len(turns) - 1, 0))}
+    found = max(len(turns) - 1, 0)
+    values: dict[str, float] = {"half-strokes": float(found)}
     problems = []
-    if len(turns) - 1 < half_strokes:
-        problems.append(f"{len(turns) - 1} half-strokes instead of {half_strokes}")
+    if found < half_strokes:
+        problems.append(f"{found} half-strokes instead of {half_strokes}")
     if len(turns) > 1:
         rolling = slice(turns[0], turns[-1] + 1)
         off = np.abs(middle[:, 2] - np.mean(learned, axis=0))[rolling]

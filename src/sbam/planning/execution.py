@@ -27,7 +27,7 @@ CLOSURE_POSITION = 1e-3  # m: how far the second hand of a two-handed grasp may 
 CLOSURE_ROTATION = np.deg2rad(0.5)  # rad
 JUMP = 1e-3  # m: how far an object may jump when it is taken over by a hand or left standing
 TORQUE_SAMPLES = 200.0  # Hz
-CLEARANCE_STRIDE = 20  # samples between two measurements of distances
+CLEARANCE_SAMPLES = 50.0  # Hz
 GRAVITY = 9.81  # m/s^2
 
 
@@ -109,7 +109,7 @@ def check_clearances(
     clearance: float,
 ) -> list[Check]:
     """Distances over the whole motion, by class of pairs; a hand may touch its object from the straight approach on."""
-    samples = np.append(np.arange(0, len(clock), CLEARANCE_STRIDE), len(clock) - 1)
+    samples = np.append(np.arange(0, len(clock), _stride(trajectory, CLEARANCE_SAMPLES)), len(clock) - 1)
     collision = CollisionModel(robot, task.scene.objects, allowed=meeting_objects(task))
     objects = dict(task.T_agent_object)
     objects.update({moved.name: poses[moved.role][samples] for moved in task.moved})
@@ -128,6 +128,11 @@ def check_clearances(
         ok = bool(distance[worst] >= clearance)
         checks.append(Check(f"clearance {kind}", ok, float(distance[worst]), clearance, "m", where))
     return checks
+
+
+def _stride(trajectory: JointTrajectory, rate: float) -> int:
+    """Samples between two that are looked at ``rate`` times per second, at least 1."""
+    return max(1, round(1.0 / (rate * float(trajectory.time[1] - trajectory.time[0]))))
 
 
 def _largest(name: str, values: Array, limit: float, unit: str, time: Array) -> Check:
@@ -184,8 +189,7 @@ def _check_torques(
     model = copy.copy(robot.model)
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     data = mujoco.MjData(model)
-    stride = max(1, round(1.0 / (TORQUE_SAMPLES * float(trajectory.time[1] - trajectory.time[0]))))
-    samples = np.arange(0, len(trajectory.time), stride)
+    samples = np.arange(0, len(trajectory.time), _stride(trajectory, TORQUE_SAMPLES))
     ratio = np.zeros((len(samples), len(robot.joint_names)))
     loads = []
     for (role, hand), _ in grasps.items():
