@@ -172,6 +172,18 @@ class Plan(_Verb):
             help_behavior_hint="",
         ),
     ] = ()
+    start: Annotated[
+        tuple[str, ...],
+        arg(
+            metavar="JOINT=POSITION...",
+            help="Where the robot stands now, rad; default: its home.",
+            help_behavior_hint="",
+        ),
+    ] = ()
+    human_likeness: Annotated[
+        float | None, arg(metavar="WEIGHT", help="Weight of human-like postures; default: the robot's.")
+    ] = None
+    clearance: Annotated[float, arg(help="Distance to keep from what is not touched on purpose, m.")] = 0.0
     speed: Annotated[float, arg(help="Share of the robot's velocity limits, above 0 to 1.")] = 0.5
     seed: Annotated[int, arg(help="Seed of the random starts.")] = 0
     formats: Annotated[tuple[Format, ...], arg(help="Formats of the trajectory.")] = ("npz", "csv")
@@ -185,16 +197,26 @@ class Plan(_Verb):
         from sbam.planning.report import plan_report
         from sbam.results import write_results
 
-        roles = _choices(self.roles)
+        roles = _pairs("roles", "ROLE=OBJECT", self.roles)
+        start = {
+            joint: _number("start", position)
+            for joint, position in _pairs("start", "JOINT=POSITION", self.start).items()
+        }
         if not 0.0 < self.speed <= 1.0:
             raise usage_error(f"--speed {self.speed:g} is not above 0 and at most 1")
         if self.seed < 0:
             raise usage_error(f"--seed {self.seed} is negative")
         model = sbam.load_model(self.model)
         scene = sbam.load_scene(self.scene, _library(self.objects))
-        settings = sbam.PlanSettings(solver=self.solver, speed=self.speed, seed=self.seed)
+        settings = sbam.PlanSettings(
+            solver=self.solver,
+            human_likeness=self.human_likeness,
+            clearance=self.clearance,
+            speed=self.speed,
+            seed=self.seed,
+        )
         with stages("planning") as progress:
-            plan = sbam.plan(model, scene, self.robot, settings, roles, progress)
+            plan = sbam.plan(model, scene, self.robot, settings, roles, start, progress)
             wanted = plan.ok or self.keep_failed
             files = write_results(plan, self.output, self.formats, self.plots, progress=progress) if wanted else []
         return {**plan_report(plan), "files": [str(path) for path in files]}
@@ -350,12 +372,19 @@ def _library(folder: Path | None) -> ObjectLibrary:
     return ObjectLibrary.built_in().with_folder(folder) if folder else ObjectLibrary.built_in()
 
 
-def _choices(texts: Sequence[str]) -> dict[str, str]:
+def _pairs(option: str, form: str, texts: Sequence[str]) -> dict[str, str]:
     pairs = [text.partition("=") for text in texts]
-    for text, (role, equals, name) in zip(texts, pairs, strict=True):
-        if not (role and equals and name):
-            raise usage_error(f"--roles {text!r} is not of the form ROLE=OBJECT")
-    return {role: name for role, _, name in pairs}
+    for text, (name, equals, value) in zip(texts, pairs, strict=True):
+        if not (name and equals and value):
+            raise usage_error(f"--{option} {text!r} is not of the form {form}")
+    return {name: value for name, _, value in pairs}
+
+
+def _number(option: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise usage_error(f"--{option}: {text!r} is not a number") from None
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

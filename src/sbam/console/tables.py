@@ -137,6 +137,7 @@ def plan_lines(report: Report) -> Iterator[RenderableType]:
     )
     passed = sum(one["ok"] for one in report["checks"])
     yield f"{passed} of {len(report['checks'])} checks passed" + (f": {worst}" if worst else "")
+    yield from report["notes"]
     yield from (f"wrote {path}" for path in report.get("files", ()))
 
 

@@ -24,6 +24,7 @@ from sbam.planning.reachability import unreached
 from sbam.planning.settings import PlanSettings
 from sbam.planning.solvers.result import Solution
 from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
+from sbam.planning.start import start_from
 from sbam.planning.task import Task, bind
 from sbam.planning.timing import time_path
 from sbam.planning.trajectory import JointTrajectory
@@ -54,6 +55,7 @@ class Plan:
         T_agent_object: role -> N poses of every moved object at the trajectory's samples, agent frame.
         checks: what was verified and how it came out.
         problems: a sentence for each thing that is wrong; empty for a plan that may be executed.
+        notes: a sentence for each thing that was mended on the way.
         seconds: stage -> wall time.
     """
 
@@ -69,6 +71,7 @@ class Plan:
     T_agent_object: Mapping[str, RigidTransform]
     checks: tuple[Check, ...]
     problems: tuple[str, ...]
+    notes: tuple[str, ...]
     seconds: Mapping[str, float]
 
     @property
@@ -92,6 +95,7 @@ def plan(
     robot: Robot | str | None = None,
     settings: PlanSettings | None = None,
     roles: Mapping[str, str] | None = None,
+    start: Mapping[str, float] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Plan:
     """Plan a learned action for a two-armed robot in a scene.
@@ -102,6 +106,8 @@ def plan(
         robot: a robot, or the name or description file of one; default the scene's, else the bimanual Panda.
         settings: how to plan.
         roles: role -> object name, where the choice shall not be left to the affordances.
+        start: joint name -> position, rad or m, where the robot stands now and returns to; default its home. What is
+            outside the limits is projected and noted.
         progress: called with the name of each stage as it begins.
 
     Returns:
@@ -110,6 +116,7 @@ def plan(
     Raises:
         BindingError: if the scene lacks an object with the affordances a role needs.
         UnreachableError: if the robot cannot do the action; names what stops it.
+        UnknownNameError: if the robot, a role, or a joint of the start is not known.
     """
     settings = settings or PlanSettings()
     clock = _Stopwatch(progress)
@@ -117,7 +124,7 @@ def plan(
     task = bind(model, scene, roles)
     if not isinstance(robot, Robot):
         robot = load_robot(robot or scene.robot or DEFAULT_ROBOT)
-    robot = robot.placed_for(RigidTransform.identity())
+    robot, notes = start_from(robot.placed_for(RigidTransform.identity()), start or {})
     clock.enter("free flight")
     free, poses = solve_free_flight(task, settings)
     clock.enter("grasps")
@@ -127,7 +134,7 @@ def plan(
     trouble: UnreachableError | TrajectoryError | None = None
     for chosen in _in_turn(choose_grasps(task, robot, at_checkpoints, settings.seed)):
         try:
-            candidate = _plan_with(task, robot, settings, chosen, checkpoints, free, clock)
+            candidate = _plan_with(task, robot, settings, chosen, checkpoints, free, clock, notes)
         except (UnreachableError, TrajectoryError) as error:
             trouble = trouble or error
             continue
@@ -148,6 +155,7 @@ def _plan_with(
     checkpoints: NDArray[np.int_],
     free: Solution,
     clock: _Stopwatch,
+    notes: tuple[str, ...],
 ) -> Plan:
     """Carry one combination of grasps through to a verified trajectory."""
     times = task.model.keypoint_times
@@ -194,6 +202,7 @@ def _plan_with(
         T_agent_object=execution.T_agent_object,
         checks=checks,
         problems=tuple(problems),
+        notes=notes,
         seconds=clock.stop(),
     )
 

@@ -29,6 +29,7 @@ def plan_report(plan: Plan) -> dict[str, Any]:
         "report_version": REPORT_VERSION,
         "ok": plan.ok,
         "problems": plan.problems,
+        "notes": plan.notes,
         "seconds": {"total": sum(plan.seconds.values()), **plan.seconds},
         "objective": solution.objective,
         "objective_without_robot": plan.free_flight.objective,

@@ -262,6 +262,20 @@ class Robot:
         """
         return self.placed(T_world_agent * self.description.base_in_agent.transform())
 
+    def with_home(self, home: ArrayLike) -> Robot:
+        """The same robot with another home posture, (n,) rad or m.
+
+        Raises:
+            ConfigurationError: if it is not finite or outside the position limits; names the joint.
+        """
+        posture = self.checked(np.atleast_2d(home))[0]
+        for name, position, lower, upper in zip(self.joint_names, posture, self.lower, self.upper, strict=True):
+            if not lower <= position <= upper:
+                raise ConfigurationError(self.name, f"home of joint {name!r} is {position}", f"{lower} to {upper}")
+        result = copy.copy(self)
+        result.home, result._spare_data = posture, []
+        return result
+
     def spec(self, *, lock: bool = True) -> mujoco.MjSpec:
         """A fresh editable MuJoCo model of the robot where it stands, to compose scenes with (see `compose`)."""
         return compose(self.description, self.T_world_base, lock=lock)
