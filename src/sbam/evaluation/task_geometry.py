@@ -1,4 +1,4 @@
-"""Success of a task's geometry, measured on every sample of the emitted trajectory."""
+"""Success of a task's geometry, measured on every sample of a plan's trajectory or of another motion."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.planning.plan import Plan
+from sbam.constraints import RegionReference
+from sbam.evaluation.executed_motion import ObjectMotion, region_points, sample_times
 
 Array = NDArray[np.float64]
 
@@ -34,28 +35,24 @@ class Measure:
     problems: tuple[str, ...]
 
 
-def region_path(plan: Plan, role: str, affordance: str) -> Array:
+def region_path(motion: ObjectMotion, role: str, affordance: str) -> Array:
     """(N, 3) centre of a role's region at every sample, agent frame, m."""
-    name = plan.task.binding[role]
-    center = plan.task.scene.objects[name].region(affordance).center
-    if role in plan.T_agent_object:
-        return plan.T_agent_object[role].apply(center)
-    return np.broadcast_to(plan.task.T_agent_object[name].apply(center), (len(plan.clock), 3))
+    return region_points(motion.task, motion.T_agent_object, RegionReference(role, affordance), len(motion.clock))
 
 
-def measure_pouring(plan: Plan, pour_from: str = "pour_from", pour_into: str = "pour_into") -> Measure:
+def measure_pouring(motion: ObjectMotion, pour_from: str = "pour_from", pour_into: str = "pour_into") -> Measure:
     """Whenever the bottle is tilted beyond 60 degrees its mouth is over the cup and 10-80 mm above the rim.
 
     Args:
-        plan: the plan.
+        motion: a plan, or another motion of the objects.
         pour_from: role of what is poured from.
         pour_into: role of what is poured into.
     """
-    bottle = plan.task.scene.objects[plan.task.binding[pour_from]]
-    cup = plan.task.scene.objects[plan.task.binding[pour_into]]
-    up = plan.T_agent_object[pour_from].rotation.apply(bottle.up)
+    bottle = motion.task.scene.objects[motion.task.binding[pour_from]]
+    cup = motion.task.scene.objects[motion.task.binding[pour_into]]
+    up = motion.T_agent_object[pour_from].rotation.apply(bottle.up)
     tilt = np.arccos(np.clip(up[:, 2], -1.0, 1.0))
-    offset = region_path(plan, pour_from, "pour from") - region_path(plan, pour_into, "pour into")
+    offset = region_path(motion, pour_from, "pour from") - region_path(motion, pour_into, "pour into")
     aside, above = np.hypot(offset[:, 0], offset[:, 1]), offset[:, 2]
     pouring = tilt > POUR_TILT
     rim = float(cup.region("pour into").half_axes.min())
@@ -64,8 +61,9 @@ def measure_pouring(plan: Plan, pour_from: str = "pour_from", pour_into: str = "
     if not pouring.any():
         problems.append(f"never tilted beyond 60 degrees (at most {values['largest tilt [deg]']:.0f})")
     else:
-        step = float(plan.trajectory.time[1] - plan.trajectory.time[0])
+        step = float(np.diff(sample_times(motion)[:2])[0])
         values["tilted for [s]"] = float(pouring.sum() * step)
+        values["tilted beside the cup for [s]"] = float((pouring & (aside > rim)).sum() * step)
         values["mouth aside, worst [mm]"] = float(1e3 * aside[pouring].max())
         values["mouth above, least [mm]"] = float(1e3 * above[pouring].min())
         values["mouth above, most [mm]"] = float(1e3 * above[pouring].max())
@@ -77,14 +75,14 @@ def measure_pouring(plan: Plan, pour_from: str = "pour_from", pour_into: str = "
     return Measure(not problems, values, tuple(problems))
 
 
-def measure_put_down(plan: Plan) -> Measure:
+def measure_put_down(motion: ObjectMotion) -> Measure:
     """Each object ends within 30 mm of where the demonstrations put it relative to its start."""
     values, problems = {}, []
-    for moved in plan.task.moved:
-        changes = [c for c in plan.task.model.changes if c.pair.is_own_start and c.pair.first.role == moved.role]
+    for moved in motion.task.moved:
+        changes = [c for c in motion.task.model.changes if c.pair.is_own_start and c.pair.first.role == moved.role]
         for change in changes:
-            path = region_path(plan, moved.role, change.pair.first.affordance)
-            wanted = change.at(np.array([plan.task.model.duration]))[0][0]
+            path = region_path(motion, moved.role, change.pair.first.affordance)
+            wanted = change.at(np.array([motion.task.model.duration]))[0][0]
             off = float(np.linalg.norm(path[-1] - path[0] - wanted))
             values[f"{change.pair.first} put down off by [mm]"] = 1e3 * off
             if off > PUT_DOWN:
@@ -92,43 +90,44 @@ def measure_put_down(plan: Plan) -> Measure:
     return Measure(not problems, values, tuple(problems))
 
 
-def measure_rolling(plan: Plan, half_strokes: int = 8, role: str = "handle_left") -> Measure:
-    """All strokes are done, the pin's axis within 5 mm of its learned height while it rolls.
+def measure_rolling(motion: ObjectMotion, half_strokes: int = 8, role: str = "handle_left") -> Measure:
+    """All strokes are done, the pin's axis within 5 mm of its learned height, if there is one, while it rolls.
 
     A half-stroke is a run of the pin's middle between two turning points along the direction in which it moves most.
     Five strokes have eight of them: the first and the last run into the pick-up and the put-down.
 
     Args:
-        plan: the plan.
+        motion: a plan, or another motion of the objects.
         half_strokes: how many are demanded.
         role: role of the rolling pin.
     """
-    left, right = (region_path(plan, role, f"handle {side}") for side in ("left", "right"))
+    left, right = (region_path(motion, role, f"handle {side}") for side in ("left", "right"))
     middle = 0.5 * (left + right)
     learned = [
-        path[0, 2] + change.at(plan.clock)[0][:, 2]
+        path[0, 2] + change.at(motion.clock)[0][:, 2]
         for path, side in ((left, "left"), (right, "right"))
-        for change in plan.task.model.changes
+        for change in motion.task.model.changes
         if change.pair.is_own_start and change.pair.first.affordance == f"handle {side}"
     ]
-    turns = _turning_points(middle)
+    turns = turning_points(middle)
     found = max(len(turns) - 1, 0)
     values: dict[str, float] = {"half-strokes": float(found)}
     problems = []
     if found < half_strokes:
         problems.append(f"{found} half-strokes instead of {half_strokes}")
     if len(turns) > 1:
+        lengths = np.linalg.norm(np.diff(middle[turns, :2], axis=0), axis=1)
+        values["half-stroke, mean [mm]"] = float(1e3 * lengths.mean())
+    if len(turns) > 1 and learned:
         rolling = slice(turns[0], turns[-1] + 1)
         off = np.abs(middle[:, 2] - np.mean(learned, axis=0))[rolling]
         values["height off, worst [mm]"] = float(1e3 * off.max())
-        lengths = np.linalg.norm(np.diff(middle[turns, :2], axis=0), axis=1)
-        values["half-stroke, mean [mm]"] = float(1e3 * lengths.mean())
         if off.max() > PIN_HEIGHT:
             problems.append(f"pin {1e3 * off.max():.1f} mm from its learned height")
     return Measure(not problems, values, tuple(problems))
 
 
-def _turning_points(middle: Array) -> NDArray[np.int_]:
+def turning_points(middle: Array) -> NDArray[np.int_]:
     """Samples at which the pin turns, ends of half-strokes longer than `STROKE`."""
     from scipy.signal import find_peaks
 

@@ -1,0 +1,112 @@
+"""What an execution does to the objects, by a robot or by hands that fly."""
+
+from __future__ import annotations
+
+import time as wall
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from sbam.constraints import RegionReference
+from sbam.planning.free_flight import solve_free_flight
+from sbam.planning.object_path import object_path
+from sbam.planning.plan import Plan
+from sbam.planning.settings import PlanSettings
+from sbam.planning.task import Task
+from sbam.robots import HumanLikeness
+
+Array = NDArray[np.float64]
+
+FLIGHT_STEP = 0.01  # s between the samples of a flight
+
+
+@dataclass(frozen=True)
+class ExecutedMotion:
+    """An execution, as far as it can be compared with a person.
+
+    Attributes:
+        task: the model bound to the scene.
+        keypoint_poses: role -> K optimised poses of every moved object at the model's keypoints, agent frame.
+        time: (N,) s from the first sample.
+        clock: (N,) time on the model's axis of every sample, s.
+        T_agent_object: role -> N poses of every moved object, agent frame.
+        objective: exact objective of the optimised keypoints.
+        human_deviation: mean angle between the arms and a person's natural posture at the keypoints, degrees; None
+            without arms.
+        problems: what is wrong with it, a sentence each.
+        seconds: wall time of the planning.
+    """
+
+    task: Task
+    keypoint_poses: Mapping[str, RigidTransform]
+    time: Array
+    clock: Array
+    T_agent_object: Mapping[str, RigidTransform]
+    objective: float
+    human_deviation: float | None
+    problems: tuple[str, ...]
+    seconds: float
+
+
+ObjectMotion = Plan | ExecutedMotion
+"""What knows where the objects of a task are over time."""
+
+
+def sample_times(motion: ObjectMotion) -> Array:
+    """(N,) s: when the samples of a motion are passed."""
+    return motion.trajectory.time if isinstance(motion, Plan) else motion.time
+
+
+def executed_plan(plan: Plan) -> ExecutedMotion:
+    """The execution that a robot's plan is."""
+    robot, task = plan.robot, plan.task
+    frames = [robot.arms[moved.hands[0]].tcp_frame for moved in task.moved]
+    kinematics = robot.kinematics(plan.solution.configurations, frames)
+    poses = {}
+    for index, moved in enumerate(task.moved):
+        rotation = Rotation.from_matrix(kinematics.rotation[:, index])
+        T_agent_tcp = RigidTransform.from_components(kinematics.position[:, index], rotation)
+        poses[moved.role] = T_agent_tcp * plan.grasps[moved.role, moved.hands[0]].T_object_tcp.inv()
+    posture = HumanLikeness(robot)
+    deviation = posture.deviation(robot.kinematics(plan.solution.configurations, posture.frames))
+    return ExecutedMotion(
+        task=task,
+        keypoint_poses=poses,
+        time=plan.trajectory.time,
+        clock=plan.clock,
+        T_agent_object=plan.T_agent_object,
+        objective=plan.solution.objective,
+        human_deviation=float(deviation.mean()),
+        problems=plan.problems,
+        seconds=sum(plan.seconds.values()),
+    )
+
+
+def flight(task: Task, settings: PlanSettings) -> ExecutedMotion:
+    """The execution by hands without arms: what the action wants, whatever a robot can do."""
+    begin = wall.perf_counter()
+    solution, poses = solve_free_flight(task, settings)
+    times = task.model.keypoint_times
+    clock = np.linspace(0.0, times[-1], round(times[-1] / FLIGHT_STEP) + 1)
+    paths = {moved.role: object_path(task, moved, times, poses[moved.role], clock).pose for moved in task.moved}
+    seconds = wall.perf_counter() - begin
+    return ExecutedMotion(task, poses, clock, clock, paths, solution.objective, None, (), seconds)
+
+
+def region_points(
+    task: Task, T_agent_object: Mapping[str, RigidTransform], reference: RegionReference, count: int
+) -> Array:
+    """(N, 3) centre of a role's region, agent frame, m.
+
+    Args:
+        task: the model bound to the scene.
+        T_agent_object: role -> N poses of every moved object; what is missing stands where it stood at the start.
+        reference: the region.
+        count: N.
+    """
+    if reference.role in T_agent_object:
+        return T_agent_object[reference.role].apply(task.region_center(reference))
+    return np.broadcast_to(task.region_at_start(reference), (count, 3))
