@@ -86,3 +86,14 @@ class RenderingError(SbamError):
             f"pictures cannot be drawn: {problem}; they need OpenGL without a screen (EGL), on Debian "
             "`apt install libegl1 libegl-mesa0 libgl1-mesa-dri`"
         )
+
+
+class SimulationError(SbamError):
+    """A motion that cannot be tried in physics: an object, a profile or a task that does not fit."""
+
+
+class ClusterError(SbamError):
+    """A cluster that does not do the work."""
+
+    def __init__(self, address: str, problem: str, remedy: str) -> None:
+        super().__init__(f"cluster {address}: {problem}; {remedy}")

@@ -1,0 +1,170 @@
+"""Cross-validation as in the paper (section IV-B), over all cores or a cluster, resumable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import msgspec
+
+from sbam.demonstrations.demonstration import Demonstration
+from sbam.demonstrations.events import objects_that_move
+from sbam.errors import ClusterError, DemonstrationError
+from sbam.evaluation.fingerprint import code_fingerprint, fingerprint, robot_fingerprint
+from sbam.evaluation.fold import FLYING_HANDS, Condition, Fold, FoldResult, run_fold
+from sbam.files import write_atomically
+from sbam.robots import Robot, load_robot
+from sbam.scene import ObjectLibrary
+
+Progress = Callable[[int, int], None]
+
+
+def leave_one_out(demonstrations: Sequence[Demonstration]) -> tuple[Fold, ...]:
+    """One fold per demonstration of the objects that most demonstrations show; the others are always learned from.
+
+    With nine pours of juice and three of milk these are the paper's nine folds: eight of juice and three of milk are
+    learned from. A single demonstration is learned from and compared with (one-shot).
+
+    Raises:
+        DemonstrationError: if there is no demonstration, or real ones are mixed with synthetic ones.
+    """
+    _check_kind(demonstrations)
+    if len(demonstrations) == 1:
+        return (Fold(tuple(demonstrations), demonstrations[0]),)
+    shown = [frozenset(objects_that_move(demonstration)) for demonstration in demonstrations]
+    most = max(shown, key=shown.count)
+    return tuple(
+        Fold((*demonstrations[:index], *demonstrations[index + 1 :]), demonstration)
+        for index, demonstration in enumerate(demonstrations)
+        if shown[index] == most
+    )
+
+
+def train_and_test(training: Sequence[Demonstration], tests: Sequence[Demonstration]) -> tuple[Fold, ...]:
+    """One fold per test demonstration, all learned from the same others.
+
+    Raises:
+        DemonstrationError: if there are none, a test is among the training, or real tests are mixed with synthetic.
+    """
+    _check_kind(tests)
+    if not training:
+        raise DemonstrationError("(none)", "there is nothing to learn from", "give one or more demonstrations")
+    for test in tests:
+        if test.name in {demonstration.name for demonstration in training}:
+            raise DemonstrationError(test.name, "is to be tested on, but was learned from", "leave it out of one of them")
+    return tuple(Fold(tuple(training), test) for test in tests)
+
+
+def evaluate_folds(
+    conditions: Sequence[Condition],
+    folds: Sequence[Fold],
+    library: ObjectLibrary | None = None,
+    jobs: int = -1,
+    cache: Path | None = None,
+    cluster: str | None = None,
+    progress: Progress | None = None,
+) -> list[FoldResult]:
+    """Run every fold under every condition.
+
+    Args:
+        conditions: how to learn and plan.
+        folds: what to learn from and compare with.
+        library: models of the objects; by default the built-in ones.
+        jobs: processes; -1 for one per core.
+        cache: folder in which every finished fold is kept at once, and from which it is taken if nothing that matters
+            has changed: demonstrations, objects, robot, settings or code. None keeps nothing.
+        cluster: address of a Dask scheduler, which then does the work instead of this machine; needs the extra
+            ``cluster``.
+        progress: called with the number of finished folds and of all.
+
+    Returns:
+        Results in the order of conditions, then folds.
+
+    Raises:
+        UnknownNameError: for an unknown robot or constraint type.
+        ClusterError: if the cluster does not answer or its support is not installed.
+        OutputError: if the cache cannot be written.
+    """
+    import joblib
+
+    library = library or ObjectLibrary.built_in()
+    robots = {condition.robot: _robot(condition.robot) for condition in conditions}
+    robot_keys = {name: robot_fingerprint(robot) if robot else name for name, robot in robots.items()}
+    objects = fingerprint({name: library[name] for name in library})
+    work = [(condition, fold) for condition in conditions for fold in folds]
+    files = [
+        cache / f"{fingerprint(code_fingerprint(), objects, robot_keys[condition.robot], condition, fold)}.json"
+        if cache
+        else None
+        for condition, fold in work
+    ]
+    results = [_finished(file) for file in files]
+    left = [index for index, result in enumerate(results) if result is None]
+    report = progress or (lambda done, total: None)
+    report(len(work) - len(left), len(work))
+    with _backend(jobs, cluster) as parallel:
+        tasks = (
+            joblib.delayed(_indexed)(index, work[index][0], work[index][1], robots[work[index][0].robot], library)
+            for index in left
+        )
+        for done, (index, result) in enumerate(parallel(tasks), len(work) - len(left) + 1):
+            results[index] = result
+            file = files[index]
+            if file:
+                write_atomically(file, msgspec.json.encode(result))
+            report(done, len(work))
+    return [result for result in results if result is not None]
+
+
+def _indexed(
+    index: int, condition: Condition, fold: Fold, robot: Robot | None, library: ObjectLibrary
+) -> tuple[int, FoldResult]:
+    return index, run_fold(condition, fold, robot, library)
+
+
+@contextmanager
+def _backend(jobs: int, cluster: str | None) -> Iterator[Callable]:
+    """A parallel executor that gives results as they are finished."""
+    import joblib
+
+    if cluster is None:
+        yield joblib.Parallel(n_jobs=jobs, return_as="generator_unordered")
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise ClusterError(cluster, "Dask is not installed here", "pip install 'sbam[cluster]'") from None
+    try:
+        client = Client(cluster, timeout=10)
+    except (OSError, ValueError) as error:
+        raise ClusterError(cluster, str(error) or type(error).__name__, "is `dask scheduler` running there?") from error
+    with client:
+        if not client.scheduler_info()["workers"]:
+            raise ClusterError(cluster, "it has no workers", f"start some with `dask worker {cluster}`")
+        with joblib.parallel_config("dask"):
+            yield joblib.Parallel(return_as="generator_unordered")
+
+
+def _finished(file: Path | None) -> FoldResult | None:
+    """The result that was kept, if there is one that can be read."""
+    if file is None or not file.exists():
+        return None
+    try:
+        return msgspec.json.decode(file.read_bytes(), type=FoldResult)
+    except (OSError, msgspec.DecodeError):
+        return None
+
+
+def _robot(name: str) -> Robot | None:
+    return None if name == FLYING_HANDS else load_robot(name)
+
+
+def _check_kind(tests: Sequence[Demonstration]) -> None:
+    if not tests:
+        raise DemonstrationError("(none)", "there is nothing to evaluate", "give one or more demonstrations")
+    if len({test.synthetic for test in tests}) > 1:
+        real = next(test for test in tests if not test.synthetic)
+        raise DemonstrationError(
+            real.name, "is real, others are synthetic; they are never averaged", "evaluate them one after the other"
+        )

@@ -1,0 +1,77 @@
+"""A fingerprint of everything that a result depends on, so that finished work is found again and never mistaken."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+from collections.abc import Iterable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import RigidTransform
+
+import sbam
+from sbam.robots import Robot
+
+ROOMS = ("constraints", "demonstrations", "evaluation", "learning", "planning", "robots", "scene")
+"""Packages whose code and data the numbers depend on."""
+
+
+def fingerprint(*values: Any) -> str:
+    """Hexadecimal SHA-256 of any values made of text, numbers, arrays, poses, mappings, sequences and dataclasses.
+
+    Raises:
+        TypeError: for anything else.
+    """
+    digest = hashlib.sha256()
+    for value in values:
+        _feed(digest, value)
+    return digest.hexdigest()
+
+
+@cache
+def code_fingerprint() -> str:
+    """Fingerprint of the code and the data files that results depend on."""
+    root = Path(sbam.__file__).parent
+    files = sorted(path for room in ROOMS for path in (root / room).rglob("*") if path.is_file())
+    return fingerprint([(str(p.relative_to(root)), p.read_bytes()) for p in files if p.suffix != ".pyc"])
+
+
+def robot_fingerprint(robot: Robot) -> str:
+    """Fingerprint of a robot: where it stands, and its compiled model."""
+    import mujoco
+
+    buffer = np.empty(mujoco.mj_sizeModel(robot.model), dtype=np.uint8)
+    mujoco.mj_saveModel(robot.model, None, buffer)
+    return fingerprint(robot.T_world_base, repr(robot.description), buffer)
+
+
+def _feed(digest: hashlib._Hash, value: Any) -> None:
+    """Add one value with its type and length, so that different structures never look alike."""
+    if value is None or isinstance(value, bool | int | float | str | np.number | np.bool_):
+        content = f"{type(value).__name__}:{value!r}".encode()
+    elif isinstance(value, bytes):
+        content = value
+    elif isinstance(value, Path):
+        content = str(value).encode()
+    elif isinstance(value, np.ndarray):
+        content = f"{value.dtype}{value.shape}".encode() + np.ascontiguousarray(value).tobytes()
+    elif isinstance(value, RigidTransform):
+        return _feed(digest, value.as_matrix())
+    elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+        return _feed(digest, {type(value).__name__: fields})
+    elif isinstance(value, Mapping):
+        return _feed(digest, [item for pair in value.items() for item in pair])
+    elif isinstance(value, Iterable):
+        items = list(value)
+        digest.update(f"[{len(items)}".encode())
+        for item in items:
+            _feed(digest, item)
+        return None
+    else:
+        raise TypeError(f"no fingerprint of {type(value).__name__}")
+    digest.update(f"{len(content)}:".encode() + content)
+    return None

@@ -1,0 +1,158 @@
+"""One fold: learn from some demonstrations, execute where another one began, compare with what the person did there."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from sbam.demonstrations.demonstration import Demonstration
+from sbam.demonstrations.scenes import scene_from_demonstration
+from sbam.errors import SbamError
+from sbam.evaluation.executed_motion import executed_plan, flight
+from sbam.evaluation.metrics import PairDistances, measures, pair_distances
+from sbam.evaluation.person import model_anchors, person_motion
+from sbam.learning.learn import learn
+from sbam.learning.model import ActionModel
+from sbam.learning.relevance import pruned
+from sbam.learning.settings import LearningSettings
+from sbam.planning.plan import plan
+from sbam.planning.settings import PlanSettings
+from sbam.planning.task import bind
+from sbam.robots import Robot
+from sbam.scene import ObjectLibrary
+
+FLYING_HANDS = "flying_hands"
+"""Name of the robot without arms: what the action wants, whatever a robot can do."""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """How to learn and to plan.
+
+    Attributes:
+        name: what the condition is called in tables.
+        constraint: constraint type.
+        learning: how to learn.
+        planning: how to plan.
+        robot: name or description file of the robot, or `FLYING_HANDS`.
+        prune: least relative precision of the pairs that are kept (`sbam.learning.relevance.pruned`); None keeps all.
+    """
+
+    name: str
+    constraint: str = "cartesian"
+    learning: LearningSettings = field(default_factory=LearningSettings)
+    planning: PlanSettings = field(default_factory=PlanSettings)
+    robot: str = FLYING_HANDS
+    prune: float | None = None
+
+
+@dataclass(frozen=True)
+class Fold:
+    """What is learned from, and what the execution is compared with."""
+
+    training: tuple[Demonstration, ...]
+    test: Demonstration
+
+
+@dataclass(frozen=True)
+class FoldResult:
+    """What came out of one fold.
+
+    Attributes:
+        condition: name of the condition.
+        constraint: constraint type.
+        robot: name of the robot.
+        test: name of the demonstration that was compared with.
+        synthetic: whether that demonstration is synthetic.
+        training: names of the demonstrations that were learned from.
+        synthetic_training: whether any of them is synthetic.
+        keypoints: their number.
+        pairs: distances of all pairs; empty if there was no execution.
+        values: other measures, name with unit -> value.
+        problems: what is wrong with the execution, or why there is none.
+        seconds: stage -> wall time: ``learn``, ``plan``, ``measure``.
+    """
+
+    condition: str
+    constraint: str
+    robot: str
+    test: str
+    synthetic: bool
+    training: tuple[str, ...]
+    synthetic_training: bool
+    keypoints: int
+    pairs: tuple[PairDistances, ...]
+    values: Mapping[str, float]
+    problems: tuple[str, ...]
+    seconds: Mapping[str, float]
+
+    @property
+    def executed(self) -> bool:
+        """Whether there was an execution at all."""
+        return bool(self.pairs)
+
+
+def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: ObjectLibrary) -> FoldResult:
+    """Learn, plan, execute and compare.
+
+    Args:
+        condition: how.
+        fold: with what.
+        robot: the condition's robot; None for `FLYING_HANDS`.
+        library: models of the objects.
+
+    Returns:
+        The result; a task that could not be learned or planned has no pairs, and problems that say why.
+    """
+    seconds: dict[str, float] = {}
+    pairs: tuple[PairDistances, ...] = ()
+    values: dict[str, float] = {}
+    keypoints = 0
+    begin = time.perf_counter()
+    try:
+        model = _learned(condition, fold, library)
+        keypoints = len(model.keypoint_times)
+        begin = _lap(seconds, "learn", begin)
+        scene = scene_from_demonstration(fold.test, library)
+        if robot is None:
+            motion = flight(bind(model, scene), condition.planning)
+        else:
+            motion = executed_plan(plan(model, scene, robot, condition.planning))
+        problems = motion.problems
+        begin = _lap(seconds, "plan", begin)
+        anchors = model_anchors(model)
+        training = [
+            person_motion(demonstration, model, library, anchors, sketch.events)
+            for demonstration, sketch in zip(fold.training, model.demonstrations, strict=True)
+        ]
+        person = person_motion(fold.test, model, library, anchors)
+        pairs, values = pair_distances(motion, person, training), measures(motion, person)
+        _lap(seconds, "measure", begin)
+    except SbamError as error:
+        problems = (f"{type(error).__name__}: {error}",)
+    return FoldResult(
+        condition=condition.name,
+        constraint=condition.constraint,
+        robot=robot.name if robot else FLYING_HANDS,
+        test=fold.test.name,
+        synthetic=fold.test.synthetic,
+        training=tuple(demonstration.name for demonstration in fold.training),
+        synthetic_training=any(demonstration.synthetic for demonstration in fold.training),
+        keypoints=keypoints,
+        pairs=pairs,
+        values=values,
+        problems=tuple(problems),
+        seconds=seconds,
+    )
+
+
+def _learned(condition: Condition, fold: Fold, library: ObjectLibrary) -> ActionModel:
+    model = learn(fold.training, condition.constraint, library=library, settings=condition.learning)
+    return model if condition.prune is None else pruned(model, condition.prune)
+
+
+def _lap(seconds: dict[str, float], stage: str, begin: float) -> float:
+    now = time.perf_counter()
+    seconds[stage] = now - begin
+    return now
