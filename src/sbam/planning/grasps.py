@@ -208,7 +208,7 @@ def _azimuths(moved: MovedObject, region: GraspRegion, axis: Array) -> Array:
 def _tcp_rotation(robot: Robot, hand: Hand, approach: Array, opening: Array) -> Rotation:
     """Orientation of a TCP whose approach and opening directions point as wanted."""
     description = robot.arms[hand].hand
-    own_approach, own_opening = np.array(description.approach), np.array(description.opening)
+    own_approach, own_opening = np.array(description.approach), np.array(description.across)
     own = np.column_stack([np.cross(own_opening, own_approach), own_opening, own_approach])
     wanted = np.column_stack([np.cross(opening, approach), opening, approach])
     return Rotation.from_matrix(wanted @ own.T)

@@ -56,20 +56,37 @@ class JointDescription(_Struct, frozen=True, kw_only=True):
     torque: Positive
 
 
-class HandDescription(_Struct, frozen=True):
+class HandDescription(_Struct, frozen=True, kw_only=True):
     """The hand: its body, and how the TCP frame stands in it.
+
+    A gripper has an ``opening``, a hand with a palm has ``fingers``.
 
     Attributes:
         body: the hand is this body of the model and all its descendants.
-        approach: direction of approach towards what is grasped, unit vector in the TCP frame.
-        opening: direction in which the fingers open, unit vector in the TCP frame.
+        approach: direction of approach towards what is grasped, out of the palm; unit vector in the TCP frame.
         max_width: widest object that fits between the fingers, m.
+        opening: direction in which a gripper's fingers open, unit vector in the TCP frame.
+        fingers: direction in which the stretched fingers of a hand point that presses its palm against what it holds,
+            at right angles to ``approach``; unit vector in the TCP frame.
     """
 
     body: str
     approach: Vector
-    opening: Vector
     max_width: Positive
+    opening: Vector | None = None
+    fingers: Vector | None = None
+
+    @property
+    def has_palm(self) -> bool:
+        """Whether the palm is pressed against what is held (a power grasp) instead of two fingers."""
+        return self.fingers is not None
+
+    @property
+    def across(self) -> Vector:
+        """The second direction that says how the hand is turned about its approach: ``opening`` or ``fingers``."""
+        direction = self.fingers or self.opening
+        assert direction is not None  # one of them is there: `read_description` checks it
+        return direction
 
 
 class ArmDescription(_Struct, frozen=True):
@@ -194,7 +211,16 @@ def _check(description: RobotDescription) -> None:
             if len(seed) != len(arm.joints):
                 where = f"$.arms.{side}.ik_seeds[{index}]"
                 raise FileFormatError(path, where, f"{len(seed)} values", f"{len(arm.joints)}, one for each joint")
-        for field in ("approach", "opening"):
-            axis = getattr(arm.hand, field)
-            if abs(math.hypot(*axis) - 1) > 1e-6:
-                raise FileFormatError(path, f"$.arms.{side}.hand.{field}", f"{list(axis)}", "a unit vector")
+        _check_hand(arm.hand, path, f"$.arms.{side}.hand")
+
+
+def _check_hand(hand: HandDescription, path: str, where: str) -> None:
+    if (hand.opening is None) == (hand.fingers is None):
+        problem = "neither opening nor fingers" if hand.opening is None else "both opening and fingers"
+        raise FileFormatError(path, where, problem, "opening for a gripper or fingers for a hand with a palm")
+    second = "fingers" if hand.has_palm else "opening"
+    for field, axis in (("approach", hand.approach), (second, hand.across)):
+        if abs(math.hypot(*axis) - 1) > 1e-6:
+            raise FileFormatError(path, f"{where}.{field}", f"{list(axis)}", "a unit vector")
+    if abs(sum(a * b for a, b in zip(hand.approach, hand.across, strict=True))) > 1e-6:
+        raise FileFormatError(path, f"{where}.{second}", "not at right angles to approach", "a direction across it")

@@ -10,7 +10,7 @@ from sbam.robots.robot import Robot
 
 MODELS = Path(__file__).parent / "models"
 
-ROBOTS: dict[str, Path] = {name: MODELS / f"{name}.yaml" for name in ("panda_dual",)}
+ROBOTS: dict[str, Path] = {name: MODELS / f"{name}.yaml" for name in ("panda_dual", "armar6", "armar7")}
 """Built-in robots: name -> description file."""
 
 
