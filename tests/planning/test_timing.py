@@ -1,5 +1,7 @@
 """Properties of the timing: limits hold at every sample, the path stays the same, nothing is faster than its clock."""
 
+import copy
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -28,7 +30,7 @@ paths = {
     "seed": st.integers(0, 10_000),
     "seconds": st.sampled_from([1.5, 4.0, 9.0]),
     "corners": st.integers(1, 8),
-    "roundness": st.sampled_from([0.03, 0.1, 0.3]),
+    "roundness": st.sampled_from([0.01, 0.03, 0.1, 0.3]),
 }
 
 
@@ -84,6 +86,18 @@ def test_start_and_end_are_at_rest(panda, within_limits, seed, rate):
         np.testing.assert_allclose(trajectory.position[end], path[end], atol=1e-12)
     assert trajectory.time[0] == 0.0
     np.testing.assert_allclose(np.diff(trajectory.time), 1.0 / rate, rtol=1e-9)
+
+
+def test_jerk_limits_hold_where_they_are_what_binds(panda, within_limits):
+    """On a robot that may jerk fifty times less."""
+    gentle = copy.copy(panda)
+    gentle.jerk_limit = panda.jerk_limit / 50.0
+    clock, path = random_path(panda, within_limits, 2, 4.0, 5, 0.03)
+    trajectory, _ = time_path(gentle, clock, path, 0.5, RATE)
+    usual, _ = time_path(panda, clock, path, 0.5, RATE)
+    assert failed(check_receivers(gentle, trajectory, path[0], 0.5)) == []
+    assert "jerk limits" in " ".join(failed(check_receivers(gentle, usual, path[0], 0.5)))
+    assert trajectory.duration > usual.duration
 
 
 def test_a_slow_path_keeps_its_timing(panda):

@@ -77,14 +77,18 @@ def test_a_sum_of_norms_goes_all_the_way_or_not_at_all(robot_named, weight, damp
     assert solution.objective == pytest.approx(min(weight, damping) * np.linalg.norm(target), rel=2e-4)
 
 
+@pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("which", ["pouring", "rolling"])
-def test_the_merit_never_rises_and_limits_hold(which, small_plan, rolling_plan, problem_of, within_limits):
+def test_the_merit_never_rises_and_limits_hold(which, seed, small_plan, rolling_plan, problem_of):
+    """Iteration by iteration, at every stage, from 0.3 rad beside the solution."""
     plan = small_plan if which == "pouring" else rolling_plan
-    problem = problem_of(plan, plan.task.model.keypoint_times[3:18:5])
-    start = problem.project(1.3 * within_limits(plan.robot, np.random.default_rng(7), problem.count))
+    some = slice(3, 18, 5)
+    problem = problem_of(plan, plan.task.model.keypoint_times[some])
+    near = plan.solution.configurations[some]
+    start = problem.project(near + np.random.default_rng(seed).normal(0.0, 0.3, near.shape))
     for stage in SCHEDULE:
         merits = [problem.merit(problem.state(start), stage.smoothing)]
-        for iterations in range(1, 8):
+        for iterations in range(1, 15):
             state, _ = descend(problem, start, [stage], max_iterations=iterations)
             merits.append(problem.merit(state, stage.smoothing))
             assert (state.configurations >= problem.lower).all()
