@@ -89,9 +89,9 @@ def test_start_and_end_are_at_rest(panda, within_limits, seed, rate):
 
 
 def test_jerk_limits_hold_where_they_are_what_binds(panda, within_limits):
-    """On a robot that may jerk fifty times less."""
+    """On a robot that may jerk a thousand times less."""
     gentle = copy.copy(panda)
-    gentle.jerk_limit = panda.jerk_limit / 50.0
+    gentle.jerk_limit = panda.jerk_limit / 1000.0
     clock, path = random_path(panda, within_limits, 2, 4.0, 5, 0.03)
     trajectory, _ = time_path(gentle, clock, path, 0.5, RATE)
     usual, _ = time_path(panda, clock, path, 0.5, RATE)
