@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from typing import Any
 
 from sbam.robots.registry import ROBOTS, load_robot
 
 
 def robot_summaries() -> list[dict[str, Any]]:
-    """Name, description file, arms, joint names and limits of every built-in robot."""
+    """Name, description file, arms, joint names and limits of every built-in robot; a limit that does not exist is None."""
     summaries = []
     for name, file in ROBOTS.items():
         robot = load_robot(name)
@@ -18,10 +20,15 @@ def robot_summaries() -> list[dict[str, Any]]:
                 "file": str(file),
                 "arms": list(robot.arms),
                 "joint_names": list(robot.joint_names),
-                "lower": robot.lower.tolist(),
-                "upper": robot.upper.tolist(),
+                "lower": finite(robot.lower),
+                "upper": finite(robot.upper),
                 "velocity_limit": robot.velocity_limit.tolist(),
                 "acceleration_limit": robot.acceleration_limit.tolist(),
             }
         )
     return summaries
+
+
+def finite(values: Iterable[float]) -> list[float | None]:
+    """Numbers for JSON, which knows no infinity: None instead."""
+    return [float(value) if math.isfinite(value) else None for value in values]
