@@ -93,11 +93,12 @@ def follow_grasps(
             failed_at[alive[~good]] = m
             works[alive[~good]] = False
     if not works.any():
-        where = np.bincount(failed_at, minlength=checkpoints)
+        hard = int(np.bincount(failed_at, minlength=checkpoints).argmax())
+        where = "where it is tilted most" if hard == hardest else f"{hard / (checkpoints - 1):.0%} on its way"
+        missed = f" (the nearest misses by {1e3 * nearest:.0f} mm)" if not reached.any() else ""
         raise UnreachableError(
             f"{robot.name}'s {hand} hand can hold {moved.name!r} with none of {count} grasps through the whole action; "
-            f"{where[hardest]} fail already where it is tilted most (the nearest by {1e3 * nearest:.0f} mm); "
-            "move the robot or the objects"
+            f"most fail {where}{missed}; move the robot or the objects"
         )
     return sorted(
         (FollowedGrasp(grasps[g], path[g], _score(robot, grasps[g], path[g], joints)) for g in np.flatnonzero(works)),

@@ -3,6 +3,9 @@
 Azimuths and heights of people transfer to robots, the pitch of the hand does not (a person's forearm comes from below
 the hand, a robot's would be in the table), so candidates are made around the object's grasp regions and people's grasps
 only rank them.
+
+A gripper's fingers close on two sides of the object; a hand with a palm lays it flat against the object, its stretched
+fingers beside it, and closes them around it.
 """
 
 from __future__ import annotations
@@ -26,8 +29,12 @@ Array = NDArray[np.float64]
 AZIMUTHS = np.deg2rad(np.arange(-180.0, 180.0, 30.0))  # 0: approach forward, + turns to the left
 TILTS_AROUND = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0])  # fingers point down by this
 TILTS_ACROSS = np.deg2rad([0.0, 20.0, 40.0, 60.0])  # approach from above, leaning forward by this
+TILTS_PALM_DOWN = np.deg2rad([0.0, 15.0, 30.0, 45.0])  # palm down on a bar, fingers forward and down by this
+EDGES = np.deg2rad([-30.0, 0.0, 30.0])  # a palm may lie this far from a face, over an edge
 HEIGHTS = (0.5, 0.0, -0.5)  # along the region's axis, shares of its half length
 DEPTHS = (0.0, 0.006, 0.012, 0.018)  # m that the TCP may stay short of the axis so that only fingers touch the object
+PALM_DEPTHS = tuple(0.002 * i for i in range(5, 46))  # m that it stays short where a palm lies against the object
+LAID_ON = 0.010  # m that a palm may lie farther from the axis than where it lies nearest
 ALONG_AXIS = 0.2  # sine of the angle below which a direction counts as along an axis and leads to no grasp
 PALM_CLEARANCE = 0.002  # m between the palm and what the fingers hold
 
@@ -43,8 +50,9 @@ class Grasp:
         T_object_tcp: pose of the tool centre point (TCP) in the object's frame.
         azimuth: direction of approach about the vertical at the start, 0 forward, positive to the left, rad.
         depth: how far the TCP stays short of the region's axis, so that the palm does not touch, m.
-        tilt: how far the approach points down (vessels) or leans forward from vertical (bars), rad.
-        flipped: whether the hand is turned by half a turn about its approach.
+        tilt: how far a gripper's approach points down (vessels) or leans forward from vertical (bars); how far the
+            fingers of a hand with a palm point down; rad.
+        flipped: whether a gripper is turned by half a turn about its approach.
         width: opening of the fingers when they hold, m.
         human_distance: angle to the nearest demonstrated azimuth, rad; 0 where none was observed.
     """
@@ -100,23 +108,25 @@ def _regions_for(moved: MovedObject, hand: Hand) -> list[GraspRegion]:
 def _at_region(
     robot: Robot, collision: CollisionModel, moved: MovedObject, hand: Hand, region: GraspRegion
 ) -> list[Grasp]:
+    has_palm = robot.arms[hand].hand.has_palm
     axis = moved.start.rotation.apply(region.axis)
     human = _human_azimuths(moved, hand, region)
+    directions = _palm_directions(moved, hand, region, axis) if has_palm else _directions(moved, region, axis)
     grasps = []
-    for height in HEIGHTS if region.kind == "around" else (0.0,):
+    for height in HEIGHTS if region.kind == "around" or has_palm else (0.0,):
         center = moved.start.apply(region.center + height * region.half_length * region.axis)
-        directions = _directions(moved, region, axis)
-        depths: dict[float, float | None] = {}
-        for azimuth, tilt, approach, opening in directions:
-            rotation = _tcp_rotation(robot, hand, approach, opening)
-            if tilt not in depths:  # round objects and faces look alike from every azimuth
-                depths[tilt] = _depth(robot, collision, moved, hand, center, approach, rotation)
-            depth = depths[tilt]
+        depths: dict[tuple[float, float], float | None] = {}
+        for azimuth, tilt, approach, across in directions:
+            rotation = _tcp_rotation(robot, hand, approach, across)
+            looks = (tilt, _from_face(moved, region, azimuth))  # all directions that look alike have one depth
+            if looks not in depths:
+                depths[looks] = _depth(robot, collision, moved, hand, center, approach, rotation)
+            depth = depths[looks]
             if depth is None:
                 continue
             distance = float(np.abs(_wrap(azimuth - human)).min(initial=np.pi)) if len(human) else 0.0
-            for flipped in (False, True):
-                turned = _tcp_rotation(robot, hand, approach, -opening) if flipped else rotation
+            for flipped in (False,) if has_palm else (False, True):
+                turned = _tcp_rotation(robot, hand, approach, -across) if flipped else rotation
                 T_agent_tcp = RigidTransform.from_components(center - depth * approach, turned)
                 grasps.append(
                     Grasp(
@@ -132,6 +142,9 @@ def _at_region(
                         human_distance=distance,
                     )
                 )
+    if has_palm:  # where something keeps the palm away from the region the fingers would close around nothing
+        nearest = min((grasp.depth for grasp in grasps), default=0.0)
+        grasps = [grasp for grasp in grasps if grasp.depth <= nearest + LAID_ON]
     return grasps
 
 
@@ -144,25 +157,32 @@ def _depth(
     approach: Array,
     rotation: Rotation,
 ) -> float | None:
-    """How far the TCP must stay short of the axis so that only fingers touch the object; None if no depth will do."""
+    """How far the TCP must stay short of the axis so that only fingers touch the object; None if no depth will do.
+
+    Of a hand with a palm nothing may reach into the object: its fingers are stretched.
+    """
+    has_palm = robot.arms[hand].hand.has_palm
+    depths = PALM_DEPTHS if has_palm else DEPTHS
     home = robot.clip(robot.home)
     frame = robot.kinematics(home[None], [robot.arms[hand].tcp_frame])
     T_agent_home = RigidTransform.from_components(frame.position[0, 0], Rotation.from_matrix(frame.rotation[0, 0]))
-    centers = center - np.array(DEPTHS)[:, None] * approach
+    centers = center - np.array(depths)[:, None] * approach
     T_agent_tcp = RigidTransform.from_components(centers, rotation)
     # The arm stays at home and the object comes to the hand, everything else far away.
     away = RigidTransform.from_translation([0.0, 0.0, -100.0])
     objects = dict.fromkeys(collision.shapes.objects, away)
     objects[moved.name] = T_agent_home * T_agent_tcp.inv() * moved.start
-    held: dict[tuple[str, Hand], NDArray[np.bool_]] = {(moved.name, hand): np.ones(len(DEPTHS), dtype=bool)}
-    near = collision.near(np.tile(home, (len(DEPTHS), 1)), objects, held, margin=PALM_CLEARANCE)
+    held: dict[tuple[str, Hand], NDArray[np.bool_]] = {
+        (moved.name, hand): np.full(len(depths), not has_palm, dtype=bool)
+    }
+    near = collision.near(np.tile(home, (len(depths), 1)), objects, held, margin=PALM_CLEARANCE)
     own = set(hand_bodies(robot, hand))
     touching = {
         int(sample)
         for sample, first, second in zip(near.sample, near.first, near.second, strict=True)
         if moved.name in (first, second) and own & {first, second}
     }
-    return next((depth for i, depth in enumerate(DEPTHS) if i not in touching), None)
+    return next((depth for i, depth in enumerate(depths) if i not in touching), None)
 
 
 def _directions(moved: MovedObject, region: GraspRegion, axis: Array) -> list[tuple[float, float, Array, Array]]:
@@ -193,6 +213,50 @@ def _directions(moved: MovedObject, region: GraspRegion, axis: Array) -> list[tu
         approach /= np.linalg.norm(approach)
         directions.append((azimuth, tilt, approach, np.cross(approach, axis)))
     return directions
+
+
+def _palm_directions(
+    moved: MovedObject, hand: Hand, region: GraspRegion, axis: Array
+) -> list[tuple[float, float, Array, Array]]:
+    """(azimuth, tilt, palm's normal, fingers' direction) of all candidates at a region, agent frame.
+
+    Vessels are held with the thumb up; tilting turns the hand about the palm's normal until the fingers point down.
+    Bars are held with the palm down and the thumbs inwards; tilting lowers the fingers and raises the wrist.
+    """
+    directions = []
+    if region.kind == "around":
+        turns = EDGES if region.faces else np.zeros(1)
+        for azimuth in np.unique(np.round(_wrap((_azimuths(moved, region, axis)[:, None] + turns).ravel()), 9)):
+            normal = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+            normal -= axis * (normal @ axis)
+            length = np.linalg.norm(normal)
+            if length < ALONG_AXIS:
+                continue
+            normal /= length
+            level = np.cross(axis, normal) if hand == "left" else np.cross(normal, axis)
+            for tilt in TILTS_AROUND:
+                directions.append((float(azimuth), tilt, normal, np.cos(tilt) * level - np.sin(tilt) * axis))
+        return directions
+    up = np.array([0.0, 0.0, 1.0])
+    forward = np.cross(up, axis)
+    length = np.linalg.norm(forward)
+    if length < ALONG_AXIS:
+        return []
+    forward *= np.copysign(1.0, forward[1]) / length
+    up -= axis * (up @ axis)
+    up /= np.linalg.norm(up)
+    azimuth = float(np.arctan2(-forward[0], forward[1]))
+    for tilt in TILTS_PALM_DOWN:
+        normal = -np.cos(tilt) * up - np.sin(tilt) * forward
+        directions.append((azimuth, tilt, normal, np.cos(tilt) * forward - np.sin(tilt) * up))
+    return directions
+
+
+def _from_face(moved: MovedObject, region: GraspRegion, azimuth: float) -> float:
+    """How far an azimuth is from the nearest face's, rad; 0 for round objects."""
+    if region.faces == 0:
+        return 0.0
+    return float(np.round(np.abs(_wrap(azimuth - _azimuths(moved, region, region.axis))).min(), 6))
 
 
 def _azimuths(moved: MovedObject, region: GraspRegion, axis: Array) -> Array:
