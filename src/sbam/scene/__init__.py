@@ -5,7 +5,7 @@ from sbam.scene.built_in_scenes import built_in_scene, built_in_scene_names
 from sbam.scene.geometry import agent_heading_deg, agent_pose, region_centers, support_height, upright_rotation
 from sbam.scene.object_file import load_object
 from sbam.scene.object_library import ObjectLibrary
-from sbam.scene.object_model import GraspRegion, ObjectModel, Primitive
+from sbam.scene.object_model import GraspRegion, ObjectModel, Primitive, VesselProfile
 from sbam.scene.scene import Scene
 from sbam.scene.scene_file import load_scene, save_scene
 
@@ -16,6 +16,7 @@ __all__ = [
     "ObjectModel",
     "Primitive",
     "Scene",
+    "VesselProfile",
     "agent_heading_deg",
     "agent_pose",
     "built_in_scene",

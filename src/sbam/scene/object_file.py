@@ -16,7 +16,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import FileFormatError, FileVersionError
 from sbam.scene.affordance_region import AffordanceRegion
-from sbam.scene.object_model import GraspRegion, ObjectModel, Primitive
+from sbam.scene.object_model import GraspRegion, ObjectModel, Primitive, VesselProfile
 from sbam.schema import convert, read_yaml
 
 FORMAT_VERSION = 1
@@ -79,6 +79,12 @@ class _Grasp(_Struct):
     faces: int = 0
 
 
+class _Profile(_Struct):
+    inner: Annotated[list[tuple[float, float]], msgspec.Meta(min_length=2)]
+    wall: float
+    fill: float | None = None
+
+
 class _Object(_Struct):
     format_version: int
     name: str
@@ -89,6 +95,7 @@ class _Object(_Struct):
     geometry: list[_Box | _Cylinder | _Capsule | _Sphere]
     grasp_regions: list[_Grasp] = []
     description: str = ""
+    profile: _Profile | None = None
 
 
 def load_object(path: str | Path) -> ObjectModel:
@@ -138,6 +145,7 @@ def load_object(path: str | Path) -> ObjectModel:
         movable=file.movable,
         mass=file.mass,
         description=" ".join(file.description.split()),
+        profile=None if file.profile is None else _vessel(file.profile, check),
     )
 
 
@@ -202,6 +210,20 @@ class _Checker:
 
 def _numbered(name: str, parts: Sequence[Part]) -> list[tuple[str, Part]]:
     return [(f"$.{name}[{index}]", part) for index, part in enumerate(parts)]
+
+
+def _vessel(profile: _Profile, check: _Checker) -> VesselProfile:
+    heights, radii = np.array(profile.inner, dtype=float).T
+    for index in range(len(heights)):
+        where = f"$.profile.inner[{index}]"
+        check.positive(f"{where}[1]", radii[index])
+        if index and heights[index] <= heights[index - 1]:
+            problem = f"is {heights[index]:g}, not above {heights[index - 1]:g} before it"
+            raise FileFormatError(check.path, f"{where}[0]", problem, "heights from the inner floor to the mouth")
+    if profile.fill is not None and not heights[0] < profile.fill <= heights[-1]:
+        limits = f"above {heights[0]:g}, at most {heights[-1]:g}"
+        raise FileFormatError(check.path, "$.profile.fill", f"is {profile.fill:g}", limits)
+    return VesselProfile(heights, radii, check.positive("$.profile.wall", profile.wall), profile.fill)
 
 
 def _primitive(where: str, part: _Box | _Cylinder | _Capsule | _Sphere, check: _Checker) -> Primitive:

@@ -55,6 +55,34 @@ class GraspRegion:
 
 
 @dataclass(frozen=True)
+class VesselProfile:
+    """The hollow of a round vessel about its ``up`` axis, through the object's origin, for physics.
+
+    Attributes:
+        heights: (P,) along ``up`` from the origin, increasing from the inner floor to the mouth, m.
+        radii: (P,) inner radius at each height, linear between them, m.
+        wall: thickness of the walls, m.
+        fill: level to which the vessel is filled, same axis, m; None for a vessel that starts empty.
+    """
+
+    heights: NDArray[np.float64]
+    radii: NDArray[np.float64]
+    wall: float
+    fill: float | None = None
+
+    @property
+    def fill_volume(self) -> float:
+        """Volume between the inner floor and the level, m^3; 0 for an empty vessel."""
+        if self.fill is None:
+            return 0.0
+        inside = self.heights < self.fill
+        heights = np.append(self.heights[inside], self.fill)
+        radii = np.append(self.radii[inside], np.interp(self.fill, self.heights, self.radii))
+        low, high = radii[:-1], radii[1:]
+        return float(np.pi / 3.0 * np.sum(np.diff(heights) * (low**2 + low * high + high**2)))
+
+
+@dataclass(frozen=True)
 class ObjectModel:
     """What SBAM knows of a kind of object.
 
@@ -67,6 +95,7 @@ class ObjectModel:
         movable: False for furniture.
         mass: kg.
         description: what it is and where its numbers come from.
+        profile: its hollow, for vessels.
     """
 
     name: str
@@ -77,6 +106,7 @@ class ObjectModel:
     movable: bool
     mass: float
     description: str = ""
+    profile: VesselProfile | None = None
 
     @property
     def affordances(self) -> tuple[str, ...]:
