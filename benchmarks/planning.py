@@ -1,6 +1,6 @@
 """Optimising keypoints: the default solver against the paper's, on the same objective, in the same run.
 
-Thirty keypoints, ten pairs of regions, two Panda arms, the objects in the hands. Usage: `python benchmarks/planning.py`.
+Thirty keypoints, ten pairs of regions, two Panda arms, the objects in the hands: `python benchmarks/planning.py`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ KEYPOINTS, REPEATS = 30, 5
 
 
 def problem_of(constraint: str, mode: str, seed: int) -> tuple[Problem, np.ndarray]:
-    """The problem of the paper's ten pairs (mode paper) or the default's, and the configuration that holds the start."""
+    """The problem with the pairs of a learning mode, and the configuration that holds the objects at their start."""
     demonstrations = sbam.built_in_demonstrations("pouring", seed)
     scene = random_pouring_scene(seed)
     grasped = sbam.plan(sbam.learn(demonstrations), scene, robot="panda_dual")

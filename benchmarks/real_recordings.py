@@ -1,12 +1,13 @@
 """A real recording as the only demonstration, executed where it was recorded and where things stand elsewhere.
 
 The recordings are third-party and not part of the project: `python benchmarks/real_recordings.py FOLDER` with the
-folder that holds `kit_bimanual` and `mmlfd_pouring`.
+folder that holds `kit_bimanual` and `mmlfd_pouring` (default: the environment variable SBAM_DATA).
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -60,10 +61,14 @@ def report(name: str, model: sbam.ActionModel, scene: sbam.Scene, measures: Sequ
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path)
+    default = os.environ.get("SBAM_DATA", Path(__file__).parents[2] / "shared" / "data")
+    parser.add_argument("folder", type=Path, nargs="?", default=default)
     parser.add_argument("--constraints", nargs="+", default=["cartesian", "cylindrical", "symbolic"])
     arguments = parser.parse_args()
     kit, mmlfd = arguments.folder / "kit_bimanual", arguments.folder / "mmlfd_pouring"
+    if not kit.is_dir():
+        print(f"no recordings at {kit}; name their folder, or set SBAM_DATA")
+        return
     print("real recordings, executed on panda_dual")
     tasks = (
         (

@@ -74,9 +74,8 @@ def main() -> None:
                 print(f"  {key:48s} min {found.min():8.1f}  median {np.median(found):8.1f}  max {found.max():8.1f}")
             took = np.array([row["seconds"] for row in rows if row["seconds"]])
             if len(took):
-                print(
-                    f"  {'seconds per plan':48s} min {took.min():8.2f}  median {np.median(took):8.2f}  max {took.max():8.2f}"
-                )
+                spread = f"min {took.min():8.2f}  median {np.median(took):8.2f}  max {took.max():8.2f}"
+                print(f"  {'seconds per plan':48s} {spread}")
             for row in rows:
                 for problem in row["problems"]:
                     print(f"  scene {row['seed']}: {problem}")
