@@ -26,7 +26,7 @@ def test_outside_the_limits_is_projected_and_said(panda):
 
 
 def test_unknown_joint_lists_the_known_ones(panda):
-    with pytest.raises(UnknownNameError, match="'elbow'.*'left_joint1'"):
+    with pytest.raises(UnknownNameError, match=r"'elbow'.*'left_joint1'"):
         start_from(panda, {"elbow": 0.0})
 
 

@@ -34,7 +34,7 @@ paths = {
 }
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=15, deadline=None, derandomize=True)
 @given(**paths, speed=st.sampled_from([0.25, 0.5, 1.0]))
 def test_limits_hold_at_every_sample(panda, within_limits, seed, seconds, corners, roundness, speed):
     """By differentiating the emitted positions, not by what the trajectory says of itself."""
@@ -55,7 +55,7 @@ def test_limits_hold_at_every_sample(panda, within_limits, seed, seconds, corner
     assert len(at) == len(trajectory.time)
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=15, deadline=None, derandomize=True)
 @given(**paths)
 def test_the_path_is_passed_in_order_and_never_faster_than_its_clock(
     panda, within_limits, seed, seconds, corners, roundness

@@ -52,7 +52,7 @@ def solve_poses(
     """Bring arms to poses, as near as possible to reference configurations where the arms are redundant.
 
     Minimises |p - p*|^2 + (0.25 m angle)^2 + (pull m)^2 |q - q_ref|^2 within the joint limits. The last pull is so weak
-    that it only settles the redundancy: it moves the TCP by less than a micrometre.
+    that it only settles the redundancy: it moves the TCP by a few micrometres at most.
 
     Args:
         robot: the robot, in the frame of the targets.
