@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from sbam.robots import Kinematics, Robot
+from sbam.robots import Kinematics, Robot, point_jacobian, rotation_jacobian
 
 Array = NDArray[np.float64]
 
@@ -164,22 +164,10 @@ class State:
             arm: (R,) index of the arm that moves each point.
 
         Returns:
-            (K, R, 3, n): hinge = axis x (point - anchor), slide = axis; zero for joints that do not move the arm.
+            (K, R, 3, n); zero for joints that do not move the arm.
         """
-        k, robot = self.kinematics, self.workspace.robot
-        axis = np.swapaxes(k.joint_axis, 1, 2)[:, None]  # (K, 1, 3, n)
-        lever = points[..., None] - np.swapaxes(k.joint_position, 1, 2)[:, None]  # (K, R, 3, n)
-        jacobian = np.empty_like(lever)
-        jacobian[:, :, 0] = axis[:, :, 1] * lever[:, :, 2] - axis[:, :, 2] * lever[:, :, 1]
-        jacobian[:, :, 1] = axis[:, :, 2] * lever[:, :, 0] - axis[:, :, 0] * lever[:, :, 2]
-        jacobian[:, :, 2] = axis[:, :, 0] * lever[:, :, 1] - axis[:, :, 1] * lever[:, :, 0]
-        if robot.is_prismatic.any():
-            jacobian[..., robot.is_prismatic] = axis[..., robot.is_prismatic]
-        return jacobian * self.workspace.arm_joints[arm][:, None, :]
+        return point_jacobian(self.kinematics, points, self.workspace.arm_joints[arm])
 
     def angular_jacobian(self, arm: NDArray[np.int_]) -> Array:
         """(K, R, 3, n) angular velocity of arms' TCPs per joint velocity, agent frame."""
-        w = self.workspace
-        axis = np.swapaxes(self.kinematics.joint_axis, 1, 2)[:, None]
-        turning = w.arm_joints[arm] & ~w.robot.is_prismatic
-        return axis * turning[:, None, :]
+        return rotation_jacobian(self.kinematics, self.workspace.arm_joints[arm])

@@ -10,7 +10,7 @@ from sbam.robots.registry import ROBOTS, load_robot
 
 
 def robot_summaries() -> list[dict[str, Any]]:
-    """Name, description file, arms, joint names and limits of every built-in robot; a limit that does not exist is None."""
+    """Name, description file, arms, joint names and limits of every built-in robot; None where there is no limit."""
     summaries = []
     for name, file in ROBOTS.items():
         robot = load_robot(name)
