@@ -60,12 +60,16 @@ def test_palms_and_objects_at_random_poses():
             boxes.append([(coal.Box(0.063, 0.204, 0.066), place)])
         shapes = {name: list(coal_shapes(objects[name], poses[name][sample])) for name in objects}
         expected = min(
+            distance(boxes[0], shapes["cup_large"]),
             distance(boxes[1], shapes["cup_large"]),
             distance(boxes[0], shapes["apple_juice"]),
             distance(boxes[1], shapes["apple_juice"]),
         )
         found = report.distance_by_class["arm-object"][sample]
-        assert found == pytest.approx(min(expected, DISTANCE_MAX), abs=5e-6)
+        if expected > 0.0:
+            assert found == pytest.approx(min(expected, DISTANCE_MAX), abs=5e-6)
+        else:  # of depths only the sign is reliable
+            assert found < 5e-6
         between = distance(shapes["cup_large"], shapes["apple_juice"])
         assert report.distance_by_class["object-object"][sample] == pytest.approx(min(between, DISTANCE_MAX), abs=5e-6)
         near += found < DISTANCE_MAX
