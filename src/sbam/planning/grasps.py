@@ -30,7 +30,6 @@ AZIMUTHS = np.deg2rad(np.arange(-180.0, 180.0, 30.0))  # 0: approach forward, + 
 TILTS_AROUND = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0])  # fingers point down by this
 TILTS_ACROSS = np.deg2rad([0.0, 20.0, 40.0, 60.0])  # approach from above, leaning forward by this
 TILTS_PALM_DOWN = np.deg2rad([0.0, 15.0, 30.0, 45.0])  # palm down on a bar, fingers forward and down by this
-EDGES = np.deg2rad([-30.0, 0.0, 30.0])  # a palm may lie this far from a face, over an edge
 HEIGHTS = (0.5, 0.0, -0.5)  # along the region's axis, shares of its half length
 DEPTHS = (0.0, 0.006, 0.012, 0.018)  # m that the TCP may stay short of the axis so that only fingers touch the object
 PALM_DEPTHS = tuple(0.002 * i for i in range(5, 46))  # m that it stays short where a palm lies against the object
@@ -115,13 +114,12 @@ def _at_region(
     grasps = []
     for height in HEIGHTS if region.kind == "around" or has_palm else (0.0,):
         center = moved.start.apply(region.center + height * region.half_length * region.axis)
-        depths: dict[tuple[float, float], float | None] = {}
+        depths: dict[float, float | None] = {}
         for azimuth, tilt, approach, across in directions:
             rotation = _tcp_rotation(robot, hand, approach, across)
-            looks = (tilt, _from_face(moved, region, azimuth))  # all directions that look alike have one depth
-            if looks not in depths:
-                depths[looks] = _depth(robot, collision, moved, hand, center, approach, rotation)
-            depth = depths[looks]
+            if tilt not in depths:  # round objects and faces look alike from every azimuth
+                depths[tilt] = _depth(robot, collision, moved, hand, center, approach, rotation)
+            depth = depths[tilt]
             if depth is None:
                 continue
             distance = float(np.abs(_wrap(azimuth - human)).min(initial=np.pi)) if len(human) else 0.0
@@ -225,8 +223,7 @@ def _palm_directions(
     """
     directions = []
     if region.kind == "around":
-        turns = EDGES if region.faces else np.zeros(1)
-        for azimuth in np.unique(np.round(_wrap((_azimuths(moved, region, axis)[:, None] + turns).ravel()), 9)):
+        for azimuth in _azimuths(moved, region, axis):
             normal = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
             normal -= axis * (normal @ axis)
             length = np.linalg.norm(normal)
@@ -235,7 +232,7 @@ def _palm_directions(
             normal /= length
             level = np.cross(axis, normal) if hand == "left" else np.cross(normal, axis)
             for tilt in TILTS_AROUND:
-                directions.append((float(azimuth), tilt, normal, np.cos(tilt) * level - np.sin(tilt) * axis))
+                directions.append((azimuth, tilt, normal, np.cos(tilt) * level - np.sin(tilt) * axis))
         return directions
     up = np.array([0.0, 0.0, 1.0])
     forward = np.cross(up, axis)
@@ -250,13 +247,6 @@ def _palm_directions(
         normal = -np.cos(tilt) * up - np.sin(tilt) * forward
         directions.append((azimuth, tilt, normal, np.cos(tilt) * forward - np.sin(tilt) * up))
     return directions
-
-
-def _from_face(moved: MovedObject, region: GraspRegion, azimuth: float) -> float:
-    """How far an azimuth is from the nearest face's, rad; 0 for round objects."""
-    if region.faces == 0:
-        return 0.0
-    return float(np.round(np.abs(_wrap(azimuth - _azimuths(moved, region, region.axis))).min(), 6))
 
 
 def _azimuths(moved: MovedObject, region: GraspRegion, axis: Array) -> Array:
