@@ -25,7 +25,7 @@ BELOW: Mapping[str, set[str]] = {
     "learning": LEARNING - {"learning"},
     "robots": BASE | {"scene"},
     "planning": PLANNING - {"planning"},
-    "simulation": PLANNING,
+    "simulation": PLANNING | {"evaluation", "viewer", "export"},
     "evaluation": PLANNING,
     "viewer": PLANNING,
     "export": PLANNING,

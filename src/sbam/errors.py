@@ -78,6 +78,14 @@ class ConfigurationError(SbamError):
         super().__init__(f"configurations of robot {robot!r}: {problem}{hint}")
 
 
+class SettingsError(SbamError):
+    """A setting that makes no sense."""
+
+    def __init__(self, name: str, value: object, expected: str) -> None:
+        self.name, self.value, self.expected = name, value, expected
+        super().__init__(f"setting {name!r} is {value!r}; expected {expected}")
+
+
 class RenderingError(SbamError):
     """Pictures cannot be made on this machine."""
 

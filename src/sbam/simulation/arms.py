@@ -1,0 +1,115 @@
+"""Position-controlled arms: what a robot's joint controllers do with a timed trajectory."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.robots.collision_pairs import hand_bodies
+from sbam.robots.robot import Robot
+from sbam.simulation.action import Arms
+
+if TYPE_CHECKING:
+    import mujoco
+
+Array = NDArray[np.float64]
+
+BANDWIDTH = 60.0  # rad/s: of a joint's critically damped position control
+FINGER_FORCE = 40.0  # N
+
+
+def add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """One position servo for every joint; gravity is compensated within the torque limits."""
+    import mujoco
+
+    limits = dict(zip(robot.joint_names, robot.torque_limit, strict=True))
+    for joint in spec.joints:
+        if joint.name not in limits and joint.type == mujoco.mjtJoint.mjJNT_FREE:
+            continue
+        limit = float(limits.get(joint.name, FINGER_FORCE))
+        joint.actfrclimited = True
+        joint.actfrcrange = [-limit, limit]
+        joint.actgravcomp = True
+        spec.add_actuator(
+            name=joint.name,
+            target=joint.name,
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+            biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+        )
+
+
+class MotorControl:
+    """Commands of all servos over time: positions with velocity feed-forward.
+
+    The stiffness of each joint follows from its inertia at the start and `BANDWIDTH`.
+    """
+
+    def __init__(self, model: mujoco.MjModel, arms: Arms) -> None:
+        import mujoco
+
+        self._arms, self._model = arms, model
+        names = [model.actuator(i).name for i in range(model.nu)]
+        joints = [model.joint(name) for name in names]
+        self._address = np.array([int(joint.qposadr[0]) for joint in joints])
+        self._dof = np.array([int(joint.dofadr[0]) for joint in joints])
+        self.planned = np.array([names.index(name) for name in arms.trajectory.joint_names])
+        rest = model.qpos0[self._address].copy()
+        for name, position in arms.robot.description.locked_joints.items():
+            rest[names.index(name)] = position
+        self._rest = rest
+        self._fingers = {hand: self._finger_motors(names, hand) for hand in arms.robot.arms}
+        data = mujoco.MjData(model)
+        self.reset(data)
+        mujoco.mj_forward(model, data)
+        mass = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, mass)
+        inertia = np.diag(mass)[self._dof]
+        stiffness, self._damping = inertia * BANDWIDTH**2, 2.0 * inertia * BANDWIDTH
+        self._lead = self._damping / stiffness
+        model.actuator_gainprm[:, 0] = stiffness
+        model.actuator_biasprm[:, 1], model.actuator_biasprm[:, 2] = -stiffness, -self._damping
+
+    def reset(self, data: mujoco.MjData) -> None:
+        """Put the robot where its trajectory starts."""
+        data.qpos[self._address] = self.wanted(np.zeros(1))[0][0]
+
+    def wanted(self, times: Array) -> tuple[Array, Array]:
+        """Positions and velocities (B, motors) that are commanded at times (B,), s; fingers included."""
+        trajectory = self._arms.trajectory
+        times = np.clip(times, 0.0, trajectory.duration)
+        position, velocity = np.tile(self._rest, (len(times), 1)), np.zeros((len(times), len(self._rest)))
+        for column, motor in enumerate(self.planned):
+            position[:, motor] = np.interp(times, trajectory.time, trajectory.position[:, column])
+            velocity[:, motor] = np.interp(times, trajectory.time, trajectory.velocity[:, column])
+        for grip in self._arms.grips:
+            share = np.interp(times, [grip.closing, grip.start, grip.end, grip.opened], [0.0, 1.0, 1.0, 0.0])
+            held = min(grip.width / self._arms.robot.arms[grip.hand].hand.max_width, 1.0)
+            for motor in self._fingers[grip.hand]:
+                position[:, motor] *= 1.0 - share * (1.0 - held)
+        return position, velocity
+
+    def commands(self, times: Array) -> Array:
+        """Control inputs (B, motors) at times (B,), s."""
+        position, velocity = self.wanted(times)
+        return position + self._lead * velocity
+
+    def tracking_error(self, data: mujoco.MjData, wanted: Array) -> Array:
+        """Measured minus commanded positions of the planned joints, rad or m."""
+        return (data.qpos[self._address] - wanted)[self.planned]
+
+    def torque(self, data: mujoco.MjData) -> Array:
+        """Torques of the planned joints, gravity compensation included, Nm or N."""
+        return data.qfrc_actuator[self._dof[self.planned]]
+
+    def _finger_motors(self, names: list[str], hand: str) -> list[int]:
+        side = "left" if hand == "left" else "right"
+        bodies = set(hand_bodies(self._arms.robot, side))
+        planned = set(self.planned.tolist())
+        return [
+            motor
+            for motor, name in enumerate(names)
+            if motor not in planned and self._model.body(int(self._model.joint(name).bodyid[0])).name in bodies
+        ]

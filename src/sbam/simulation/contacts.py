@@ -1,0 +1,58 @@
+"""Contacts that should not be."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.robots.composition import OBJECT_PREFIX
+from sbam.simulation.action import Action
+from sbam.simulation.record import Contact
+
+if TYPE_CHECKING:
+    import mujoco
+
+DEPTH = 2e-4  # m: shallower contacts are mere touches
+
+
+class ContactWatch:
+    """Collects contacts of the robot with anything it does not hold, and of moved objects with other objects.
+
+    Objects may stand on furniture; what a hand holds may touch that hand.
+    """
+
+    def __init__(self, model: mujoco.MjModel, action: Action) -> None:
+        names = [model.body(body).name for body in range(model.nbody)]
+        robot = set(action.arms.robot.frame_names) if action.arms else set()
+        self._body = model.geom_bodyid
+        self._names = [name.removeprefix(OBJECT_PREFIX) for name in names]
+        movable = {OBJECT_PREFIX + name for name, one in action.scene.objects.items() if one.movable}
+        fixed = {OBJECT_PREFIX + name for name, one in action.scene.objects.items() if not one.movable}
+        kind = np.array([1 if n in robot else 2 if n in movable else 3 if n in fixed else 0 for n in names])
+        self._kind = kind[self._body]
+        self._found: dict[tuple[int, int], tuple[float, float, float]] = {}
+
+    def look(self, data: mujoco.MjData, time: float, lasting: float) -> None:
+        """Note the contacts of this moment, which stands for a stretch of time, s."""
+        count = data.ncon
+        if not count:
+            return
+        geoms: NDArray[np.int32] = data.contact.geom
+        depth = -data.contact.dist
+        kinds = np.sort(self._kind[geoms], axis=1)
+        matters = ((kinds[:, 0] == 1) | ((kinds[:, 0] == 2) & (kinds[:, 1] == 2))) & (depth > DEPTH)
+        for index in np.flatnonzero(matters):
+            first, second = sorted(int(body) for body in self._body[geoms[index]])
+            start, total, worst = self._found.get((first, second), (time, -1.0, 0.0))
+            self._found[first, second] = start, total, max(worst, float(depth[index]))
+        for pair in {tuple(sorted(int(b) for b in self._body[geoms[i]])) for i in np.flatnonzero(matters)}:
+            first, second = pair
+            start, total, worst = self._found[first, second]
+            self._found[first, second] = start, max(total, 0.0) + lasting, worst
+
+    def contacts(self) -> tuple[Contact, ...]:
+        """All that were found, the first first."""
+        found = sorted(self._found.items(), key=lambda item: item[1][0])
+        return tuple(Contact(self._names[a], self._names[b], *values) for (a, b), values in found)

@@ -1,0 +1,62 @@
+"""What happened in physics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A contact between things that should not touch.
+
+    Attributes:
+        first: a body of the robot or an object.
+        second: another.
+        time: when it was first seen, s.
+        seconds: how long it lasted in total, s.
+        depth: largest penetration, m.
+    """
+
+    first: str
+    second: str
+    time: float
+    seconds: float
+    depth: float
+
+
+@dataclass(frozen=True)
+class Record:
+    """What happened.
+
+    Attributes:
+        time: (F,) s on the action's time axis; negative while things settle.
+        T_world_object: every movable object -> F poses.
+        qpos: (F, nq) state of the model, for drawing.
+        particles: (F, S, 3) centres of the spheres, world, m.
+        measured: name -> (F, ...) whatever the task measured in every frame.
+        contacts: contacts that should not be, the first first.
+        tracking_error: joint -> largest distance from its command, rad or m; empty without a robot.
+        torque_ratio: joint -> largest torque, share of its limit; empty without a robot.
+        slip: (hand, object) -> largest distance of the TCP from its grasp, m.
+        seconds: wall time of the physics, s.
+        simulated: time that was simulated, s.
+    """
+
+    time: Array
+    T_world_object: Mapping[str, RigidTransform]
+    qpos: Array
+    particles: Array
+    measured: Mapping[str, Array]
+    contacts: tuple[Contact, ...]
+    tracking_error: Mapping[str, float]
+    torque_ratio: Mapping[str, float]
+    slip: Mapping[tuple[str, str], float]
+    seconds: float
+    simulated: float

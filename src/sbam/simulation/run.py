@@ -1,0 +1,225 @@
+"""Running an action in physics."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from sbam.errors import SimulationError
+from sbam.robots.composition import OBJECT_PREFIX, pose_arrays
+from sbam.scene import support_height
+from sbam.simulation.action import Action
+from sbam.simulation.arms import MotorControl, add_motors
+from sbam.simulation.contacts import ContactWatch
+from sbam.simulation.materials import SUPPORT, physics_options
+from sbam.simulation.record import Record
+from sbam.simulation.tasks.base import Task
+from sbam.simulation.world import (
+    GRASP,
+    GUIDE,
+    add_object,
+    exclude_held,
+    set_robot_contacts,
+)
+
+if TYPE_CHECKING:
+    import mujoco
+
+Array = NDArray[np.float64]
+
+SETTLE = 0.4  # s before the motion
+AFTER = 0.6  # s after it, until what falls has fallen
+FRAME = 0.02  # s between two frames of the record
+WELD = (0.006, 1.0)  # time constant, s, and damping ratio of the hold
+FLOOR = 0.85  # m below the support
+
+
+class World:
+    """An action's robot, objects and what the task adds as one MuJoCo model, ready to be run.
+
+    Attributes:
+        action: what will be done.
+        model: the model.
+    """
+
+    def __init__(self, action: Action, task: Task) -> None:
+        import mujoco
+
+        self.action, self._task = action, task
+        arms = action.arms
+        spec = arms.robot.spec(lock=False) if arms else mujoco.MjSpec()
+        physics_options(spec)
+        if arms:
+            set_robot_contacts(spec, arms.robot)
+            add_motors(spec, arms.robot)
+        scene = action.scene
+        for name, model in scene.objects.items():
+            body = add_object(spec, name, model)
+            body.pos, body.quat = pose_arrays(scene.T_world_object[name])
+        floor = support_height(scene) - FLOOR
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_PLANE,
+            size=[3, 3, 0.1],
+            pos=[0, 0, floor],
+            contype=SUPPORT[0],
+            conaffinity=SUPPORT[1],
+            rgba=[0.86, 0.87, 0.88, 1],
+        )
+        if arms:
+            exclude_held(spec, action)
+            self._add_grips(spec)
+        else:
+            self._add_guides(spec)
+        task.build(spec, action)
+        try:
+            self.model = spec.compile()
+        except ValueError as error:
+            raise SimulationError(f"{action.name}: MuJoCo cannot build the world: {error}") from error
+        self.control = MotorControl(self.model, arms) if arms else None
+        count = sum(self.model.body(i).name.startswith("particle/") for i in range(self.model.nbody))
+        joints = [int(self.model.body(f"particle/{i}").jntadr[0]) for i in range(count)]
+        self._particles = np.array([int(self.model.jnt_qposadr[j]) for j in joints], dtype=np.int64)
+        self._movable = [name for name, model in scene.objects.items() if model.movable]
+        self._bodies = [int(self.model.body(OBJECT_PREFIX + name).id) for name in self._movable]
+
+    def _add_grips(self, spec: mujoco.MjSpec) -> None:
+        import mujoco
+
+        assert self.action.arms is not None
+        robot = self.action.arms.robot
+        for grip in self.action.arms.grips:
+            position, quaternion_wxyz = pose_arrays(grip.T_object_tcp)
+            name = f"{GRASP}{grip.hand}/{grip.object}"
+            spec.body(OBJECT_PREFIX + grip.object).add_site(name=name, pos=position, quat=quaternion_wxyz, group=5)
+            tcp = robot.arms[grip.hand].tcp_frame
+            if spec.site(tcp) is None:
+                spec.body(tcp).add_site(name=f"{tcp}/site", group=5)
+                tcp = f"{tcp}/site"
+            spec.add_equality(
+                name=name,
+                type=mujoco.mjtEq.mjEQ_WELD,
+                objtype=mujoco.mjtObj.mjOBJ_SITE,
+                name1=tcp,
+                name2=name,
+                active=False,
+                solref=list(WELD),
+                solimp=[0.95, 0.99, 0.001, 0.5, 2.0],
+            )
+
+    def _add_guides(self, spec: mujoco.MjSpec) -> None:
+        import mujoco
+
+        for name in self.action.T_world_object:
+            position, quaternion_wxyz = pose_arrays(self.action.T_world_object[name][0])
+            spec.worldbody.add_body(name=GUIDE + name, mocap=True, pos=position, quat=quaternion_wxyz)
+            spec.add_equality(
+                name=GUIDE + name,
+                type=mujoco.mjtEq.mjEQ_WELD,
+                objtype=mujoco.mjtObj.mjOBJ_BODY,
+                name1=GUIDE + name,
+                name2=OBJECT_PREFIX + name,
+                active=True,
+                data=[0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0],
+                solref=list(WELD),
+                solimp=[0.95, 0.99, 0.001, 0.5, 2.0],
+            )
+
+    def run(self, progress: Callable[[float, float], None] | None = None) -> Record:
+        """Let it happen.
+
+        Args:
+            progress: called now and then with the time that was simulated and how much there is, s.
+
+        Raises:
+            SimulationError: if the physics becomes unstable.
+        """
+        import mujoco
+
+        model, action, control = self.model, self.action, self.control
+        step = model.opt.timestep
+        first, last = -round(SETTLE / step), round((action.duration + AFTER) / step)
+        times = step * np.arange(first, last + 1)
+        data = mujoco.MjData(model)
+        commands = wanted = np.zeros((len(times), 0))
+        if control:
+            control.reset(data)
+            commands, (wanted, _) = control.commands(times), control.wanted(times)
+        self._task.start(model, data, action)
+        guides = self._guide_poses(times)
+        grips = self._grip_times(times)
+        watch = ContactWatch(model, action)
+        every = round(FRAME / step)
+        frames: list[tuple[float, Array, Array, Array]] = []
+        measured: list[dict[str, Array]] = []
+        error = np.zeros(len(action.arms.trajectory.joint_names) if action.arms else 0)
+        torque, slip = error.copy(), {}
+        since = clock.perf_counter()
+        for index, time in enumerate(times):
+            for mocap, position, quaternion in guides:
+                data.mocap_pos[mocap], data.mocap_quat[mocap] = position[index], quaternion[index]
+            for equality, holds, _, _ in grips:
+                data.eq_active[equality] = holds[index]
+            if control:
+                data.ctrl[:] = commands[index]
+            mujoco.mj_step(model, data)
+            if control and time >= 0.0:
+                np.maximum(error, np.abs(control.tracking_error(data, wanted[index])), out=error)
+                np.maximum(torque, np.abs(control.torque(data)), out=torque)
+            if index % every == 0:
+                watch.look(data, float(time), FRAME)
+                for _, holds, key, (tcp, grasp) in grips:
+                    if holds[index]:
+                        off = float(np.linalg.norm(data.site_xpos[tcp] - data.site_xpos[grasp]))
+                        slip[key] = max(slip.get(key, 0.0), off)
+                frames.append((float(time), data.qpos.copy(), data.xpos[self._bodies], data.xquat[self._bodies]))
+                measured.append(self._task.observe(model, data, action))
+                if progress:
+                    progress(float(time) - times[0], times[-1] - times[0])
+        seconds = clock.perf_counter() - since
+        if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(data.qpos).all():
+            raise SimulationError(f"{action.name}: the physics became unstable")
+        qpos = np.stack([frame[1] for frame in frames])
+        positions, quaternions = np.stack([f[2] for f in frames], 1), np.stack([f[3] for f in frames], 1)
+        names = action.arms.trajectory.joint_names if action.arms else ()
+        limits = action.arms.robot.torque_limit if action.arms else np.ones(0)
+        return Record(
+            time=np.array([frame[0] for frame in frames]),
+            T_world_object={
+                name: RigidTransform.from_components(
+                    positions[i], Rotation.from_quat(quaternions[i], scalar_first=True)
+                )
+                for i, name in enumerate(self._movable)
+            },
+            qpos=qpos,
+            particles=qpos[:, self._particles[:, None] + np.arange(3)],
+            measured={key: np.stack([m[key] for m in measured]) for key in measured[0]},
+            contacts=watch.contacts(),
+            tracking_error=dict(zip(names, error.tolist(), strict=True)),
+            torque_ratio=dict(zip(names, (torque / limits).tolist(), strict=True)),
+            slip=slip,
+            seconds=seconds,
+            simulated=float(times[-1] - times[0]),
+        )
+
+    def _guide_poses(self, times: Array) -> list[tuple[int, Array, Array]]:
+        if self.action.arms:
+            return []
+        poses = {name: self.action.poses(name, times) for name in self.action.T_world_object}
+        return [(int(self.model.body(GUIDE + name).mocapid[0]), *pose_arrays(pose)) for name, pose in poses.items()]
+
+    def _grip_times(self, times: Array) -> list[tuple[int, NDArray[np.bool_], tuple[str, str], tuple[int, int]]]:
+        if not self.action.arms:
+            return []
+        result = []
+        for grip in self.action.arms.grips:
+            name = f"{GRASP}{grip.hand}/{grip.object}"
+            equality = self.model.equality(name)
+            sites = int(self.model.eq_obj1id[equality.id]), int(self.model.eq_obj2id[equality.id])
+            holds = (times >= grip.start) & (times <= grip.end)
+            result.append((int(equality.id), holds, (grip.hand, grip.object), sites))
+        return result

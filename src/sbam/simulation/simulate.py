@@ -1,0 +1,157 @@
+"""Trying a plan or a demonstration in physics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from sbam.demonstrations.demonstration import Demonstration
+from sbam.planning.plan import Plan
+from sbam.scene import ObjectLibrary
+from sbam.simulation.action import Action, action_of_demonstration, action_of_plan
+from sbam.simulation.record import Record
+from sbam.simulation.run import World
+from sbam.simulation.tasks import Task, Values, find_task
+
+LARGEST_TRACKING_ERROR = 0.1  # rad or m: beyond it the arms do something else than was planned
+LARGEST_SLIP = 0.02  # m: beyond it a held object is torn out of the hand
+
+Progress = Callable[[float, float], None]
+
+
+@dataclass(frozen=True)
+class SimulationResult:
+    """What physics says of an action.
+
+    Attributes:
+        action: what was tried.
+        task: name of the task it was judged by.
+        record: what happened.
+        values: what the task measured.
+        yardstick: means of the same numbers over the demonstrations; None without demonstrations.
+        problems: a sentence for each thing that failed; empty for a success.
+        warnings: a sentence for each thing that is not as it should be but did not decide.
+        world: the world it happened in, for pictures.
+    """
+
+    action: Action
+    task: str
+    record: Record
+    values: Values
+    yardstick: Values | None
+    problems: tuple[str, ...]
+    warnings: tuple[str, ...]
+    world: World
+
+    @property
+    def ok(self) -> bool:
+        """Whether the action succeeds."""
+        return not self.problems
+
+    @property
+    def speed(self) -> float:
+        """Simulated time per wall time."""
+        return self.record.simulated / self.record.seconds
+
+
+def simulate(
+    plan: Plan | Action,
+    task: Task | str | None = None,
+    demonstrations: Iterable[Demonstration] = (),
+    yardstick: Values | None = None,
+    library: ObjectLibrary | None = None,
+    progress: Progress | None = None,
+) -> SimulationResult:
+    """Let a robot do what was planned, in physics, and judge what comes of it.
+
+    Arms are position-controlled; objects are held rigidly while the plan says so ("grasp assumed").
+
+    Args:
+        plan: a plan, or an action made of one.
+        task: how to judge it, see `sbam.simulation.tasks.find_task`.
+        demonstrations: what success is measured against: replayed alone, see `yardstick_of`.
+        yardstick: what success is measured against, if it is known already.
+        library: object models of the demonstrations.
+        progress: called with the simulated time and all of it, s.
+
+    Raises:
+        SimulationError: if no task fits, the world cannot be built, or the physics becomes unstable.
+    """
+    action = action_of_plan(plan) if isinstance(plan, Plan) else plan
+    chosen = find_task(action, task)
+    demonstrations = list(demonstrations)
+    if yardstick is None and demonstrations:
+        yardstick = yardstick_of(demonstrations, chosen, action, library)
+    world = World(action, chosen)
+    record = world.run(progress)
+    values = chosen.measure(action, record)
+    failures, warnings = _execution(record)
+    return SimulationResult(
+        action=action,
+        task=chosen.name,
+        record=record,
+        values=values,
+        yardstick=yardstick,
+        problems=tuple(chosen.judge(values, yardstick) + failures),
+        warnings=tuple(warnings),
+        world=world,
+    )
+
+
+def replay(
+    demonstration: Demonstration, task: Task | str | None = None, library: ObjectLibrary | None = None
+) -> SimulationResult:
+    """Lead the objects of a demonstration along their recorded poses in the same physics.
+
+    Raises:
+        SimulationError: if no task fits or the world cannot be built.
+        UnknownNameError: if the library lacks an object.
+    """
+    return simulate(action_of_demonstration(demonstration, library), task)
+
+
+def yardstick_of(
+    demonstrations: Iterable[Demonstration],
+    task: Task,
+    action: Action | None = None,
+    library: ObjectLibrary | None = None,
+) -> Values:
+    """Means of what the demonstrations do in the same physics.
+
+    Args:
+        demonstrations: the demonstrations; of those, the ones with the same moved objects count, if there are any.
+        task: how to measure.
+        action: what will be compared with them.
+        library: their object models.
+    """
+    demonstrations = list(demonstrations)
+    if action is not None:
+        moved = {action.scene.objects[name].name for name in action.T_world_object}
+        demonstrations = [d for d in demonstrations if moved <= set(d.objects)] or demonstrations
+    measured = [replay(demonstration, task, library).values for demonstration in demonstrations]
+    numbers = [key for key, value in measured[0].items() if isinstance(value, float)]
+    return {key: float(np.mean([values[key] for values in measured if key in values])) for key in numbers} | {
+        "demonstrations": [demonstration.name for demonstration in demonstrations]
+    }
+
+
+def _execution(record: Record) -> tuple[list[str], list[str]]:
+    """What the arms did wrong, and what is worth saying of them."""
+    failures, warnings = [], []
+    for joint, error in record.tracking_error.items():
+        if error > LARGEST_TRACKING_ERROR:
+            failures.append(f"{joint} is {error:.2f} rad off its command")
+    for (hand, name), slip in record.slip.items():
+        if slip > LARGEST_SLIP:
+            failures.append(f"{name} is torn {1e3 * slip:.0f} mm out of the {hand} hand")
+    for joint, ratio in record.torque_ratio.items():
+        if ratio >= 1.0:
+            warnings.append(f"{joint} reaches its torque limit")
+    for contact in record.contacts:
+        warnings.append(
+            f"{contact.first} touches {contact.second} from {contact.time:.1f} s for {contact.seconds:.1f} s, "
+            f"{1e3 * contact.depth:.1f} mm deep"
+        )
+    return failures, warnings

@@ -1,0 +1,65 @@
+"""Success measures, one task a file."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Mapping
+from pathlib import Path
+
+from sbam.errors import FileFormatError, SimulationError, UnknownNameError
+from sbam.simulation.action import Action
+from sbam.simulation.tasks.base import Task, Values
+from sbam.simulation.tasks.pouring import Pouring
+
+TASKS: Mapping[str, Task] = {task.name: task for task in (Pouring(),)}
+"""Name -> task; a new one is a file and a line here, or a file of your own (`load_task`)."""
+
+
+def find_task(action: Action, wanted: Task | str | None = None) -> Task:
+    """The task that an action is judged by.
+
+    Args:
+        action: what will be done.
+        wanted: a task, its name in `TASKS`, or a Python file that defines ``TASK``; None for the one that fits.
+
+    Raises:
+        UnknownNameError: for an unknown name.
+        FileFormatError: for a file without a task.
+        SimulationError: if no task fits, or more than one.
+    """
+    if isinstance(wanted, Task):
+        return wanted
+    if wanted is not None:
+        return load_task(wanted) if wanted.endswith(".py") else _known(wanted)
+    fitting = [task for task in TASKS.values() if task.fits(action)]
+    if len(fitting) != 1:
+        found = ", ".join(task.name for task in fitting) or "none"
+        raise SimulationError(f"{action.name}: which task is it? fitting: {found}; known: {', '.join(TASKS)}")
+    return fitting[0]
+
+
+def load_task(path: str | Path) -> Task:
+    """A task of your own, from a Python file that defines ``TASK``; the file is executed.
+
+    Raises:
+        FileFormatError: if there is no such file, or it defines no task.
+    """
+    path = Path(path)
+    spec = importlib.util.spec_from_file_location(f"sbam_task_{path.stem}", path)
+    if not path.is_file() or spec is None or spec.loader is None:
+        raise FileFormatError(path, "", "is not a Python file", "a file that defines TASK, see docs/simulation.md")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    task = getattr(module, "TASK", None)
+    if not isinstance(task, Task):
+        raise FileFormatError(path, "TASK", f"is {type(task).__name__}", "a sbam.simulation.tasks.Task")
+    return task
+
+
+def _known(name: str) -> Task:
+    if name not in TASKS:
+        raise UnknownNameError("task", name, TASKS, "the simulation; or give a .py file that defines TASK")
+    return TASKS[name]
+
+
+__all__ = ["TASKS", "Task", "Values", "find_task", "load_task"]

@@ -1,0 +1,58 @@
+"""What a task is to physics: what it adds to the world, what it measures, and what must be true."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.simulation.action import Action
+from sbam.simulation.record import Record
+
+if TYPE_CHECKING:
+    import mujoco
+
+Values = Mapping[str, Any]
+"""Name with unit -> number, or lists of plain data for the report."""
+
+
+class Task:
+    """Base of all tasks: a task of your own needs only `measure` and `judge`.
+
+    Attributes:
+        name: what it is called on the command line.
+        affordances: affordances that a scene's objects bear if this task can be tried with them.
+    """
+
+    name: str = ""
+    affordances: Sequence[str] = ()
+
+    def build(self, spec: mujoco.MjSpec, action: Action) -> None:
+        """Add to the world what the objects alone do not hold: spheres, dough. Nothing by default."""
+
+    def start(self, model: mujoco.MjModel, data: mujoco.MjData, action: Action) -> None:
+        """Put what was added where it is at the start. Nothing by default."""
+
+    def observe(self, model: mujoco.MjModel, data: mujoco.MjData, action: Action) -> dict[str, NDArray[np.float64]]:
+        """What to record in every frame beside poses and spheres. Nothing by default."""
+        return {}
+
+    def measure(self, action: Action, record: Record) -> Values:
+        """Numbers of the report, from what happened."""
+        raise NotImplementedError
+
+    def judge(self, values: Values, yardstick: Values | None) -> list[str]:
+        """A sentence for each thing that is not as it must be; none means success.
+
+        Args:
+            values: what `measure` returned.
+            yardstick: means of the numbers over the demonstrations' replays, or None where there are none.
+        """
+        raise NotImplementedError
+
+    def fits(self, action: Action) -> bool:
+        """Whether the scene holds objects for this task."""
+        borne = {affordance for model in action.scene.objects.values() for affordance in model.affordances}
+        return set(self.affordances) <= borne
