@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from math import isfinite
+from typing import Literal, get_args
+
+from sbam.errors import SettingsError
+
+Solver = Literal["default", "paper"]
+SAMPLE_RATES = (10.0, 10_000.0)  # Hz
 
 
 @dataclass(frozen=True)
@@ -24,9 +30,12 @@ class PlanSettings:
         sample_rate: samples of the emitted trajectory per second, Hz.
         clearance: distance that arms and carried objects shall keep from what they must not touch, m.
         seed: seed of the random starts.
+
+    Raises:
+        SettingsError: if a value makes no sense; names it and says what is expected.
     """
 
-    solver: Literal["default", "paper"] = "default"
+    solver: Solver = "default"
     human_likeness: float | None = None
     damping: float = 10.0
     smoothness: float = 0.05
@@ -36,3 +45,16 @@ class PlanSettings:
     sample_rate: float = 1000.0
     clearance: float = 0.0
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuse what makes no sense, before it costs time or lets a trajectory pass that is too fast."""
+        if self.solver not in get_args(Solver):
+            raise SettingsError("solver", self.solver, " or ".join(map(repr, get_args(Solver))))
+        for name in ("damping", "smoothness", "proximity", "clearance", "human_likeness"):
+            value = getattr(self, name)
+            if value is not None and not (isfinite(value) and value >= 0.0):
+                raise SettingsError(name, value, "a finite number, 0 or more")
+        if not 0.0 < self.speed <= 1.0:
+            raise SettingsError("speed", self.speed, "a share of the robot's limits, above 0 and at most 1")
+        if not SAMPLE_RATES[0] <= self.sample_rate <= SAMPLE_RATES[1]:
+            raise SettingsError("sample_rate", self.sample_rate, f"{SAMPLE_RATES[0]:g} to {SAMPLE_RATES[1]:g} Hz")
