@@ -158,6 +158,26 @@ def demo_lines(report: Report) -> Iterator[RenderableType]:
     yield f"   read     {report['folder']}/report.json (every check and its worst value)"
 
 
+def evaluation_tables(report: Report) -> Iterator[RenderableType]:
+    """Tables of `sbam.evaluation.evaluate.evaluation_report`, and what went wrong in single folds."""
+    from sbam.evaluation.tables import cell_text
+
+    for one in report["tables"]:
+        yield one["caption"]
+        grid = table("", one["columns"], ([cell_text(cell) for cell in row] for row in one["rows"]))
+        for index, column in enumerate(grid.columns):
+            if any(isinstance(row[index], float) for row in one["rows"]):
+                column.justify = "right"
+            else:
+                column.no_wrap = True
+        yield grid
+    for fold in report["folds"]:
+        where = f"{fold['condition']}, {fold['constraint']}, {fold['test']}"
+        yield from (f"{where}: {problem}" for problem in fold["problems"])
+    yield f"{len(report['folds'])} folds in {report['seconds']['total']:.1f} s"
+    yield from (f"wrote {path}" for path in report.get("files", ()))
+
+
 def scene_list(scenes: Sequence[Report]) -> Table:
     """All of `sbam.scene.built_in_scenes.scene_summaries`."""
     return table(

@@ -52,7 +52,9 @@ def train_and_test(training: Sequence[Demonstration], tests: Sequence[Demonstrat
         raise DemonstrationError("(none)", "there is nothing to learn from", "give one or more demonstrations")
     for test in tests:
         if test.name in {demonstration.name for demonstration in training}:
-            raise DemonstrationError(test.name, "is to be tested on, but was learned from", "leave it out of one of them")
+            raise DemonstrationError(
+                test.name, "is to be tested on, but was learned from", "leave it out of one of them"
+            )
     return tuple(Fold(tuple(training), test) for test in tests)
 
 

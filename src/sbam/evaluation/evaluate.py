@@ -1,0 +1,159 @@
+"""Evaluation as a whole: from recordings to tables and a report."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, get_args
+
+import msgspec
+
+from sbam.constraints import constraint_type
+from sbam.demonstrations.demonstration import Demonstration
+from sbam.demonstrations.loading import BUILT_IN, load
+from sbam.demonstrations.synthetic import BuiltInTask, built_in_demonstrations
+from sbam.evaluation.cross_validation import evaluate_folds, leave_one_out, train_and_test
+from sbam.evaluation.fold import FLYING_HANDS, Condition, FoldResult
+from sbam.evaluation.tables import Table, evaluation_tables
+from sbam.files import write_atomically
+from sbam.learning.settings import LearningSettings
+from sbam.planning.report import plain
+from sbam.planning.settings import PlanSettings
+from sbam.scene import ObjectLibrary
+
+TASKS: tuple[BuiltInTask, ...] = get_args(BuiltInTask)
+
+
+def evaluate(
+    recordings: Sequence[str | Path],
+    train: Sequence[str | Path] = (),
+    robot: str = FLYING_HANDS,
+    constraints: Sequence[str] = ("cartesian", "cylindrical", "symbolic"),
+    modes: Sequence[str] = ("default",),
+    solvers: Sequence[str] = ("default",),
+    prune: float | None = None,
+    seed: int = 0,
+    library: ObjectLibrary | None = None,
+    jobs: int = -1,
+    cache: Path | None = None,
+    cluster: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[FoldResult]:
+    """Measure how near executions come to what people did.
+
+    Args:
+        recordings: what to compare with: a task (``pouring``, ``rolling``: the built-in demonstrations), or anything
+            that `sbam.load` takes. Without ``train`` they are cross-validated (`leave_one_out`).
+        train: what to learn from instead.
+        robot: name or description file of a robot, or ``flying_hands``: none.
+        constraints: constraint types.
+        modes: how to learn: ``default``, ``paper``.
+        solvers: how to solve: ``default``, ``paper`` (about a minute a fold).
+        prune: least relative precision of pairs that are kept; None keeps all.
+        seed: of the built-in demonstrations.
+        library: models of the objects; by default the built-in ones.
+        jobs: processes; -1 for one per core.
+        cache: folder for finished folds; None keeps none. See `evaluate_folds`.
+        cluster: address of a Dask scheduler.
+        progress: called with the number of finished folds and of all.
+
+    Raises:
+        SbamError: if recordings, robot, constraint type, mode or cluster cannot be used.
+    """
+    conditions = [
+        Condition(f"{mode}/{solver}", constraint, LearningSettings.for_mode(mode), _planning(solver), robot, prune)
+        for mode in modes
+        for solver in solvers
+        for constraint in map(_known_constraint, constraints)
+    ]
+    tests = recordings_for(recordings, seed)
+    folds = train_and_test(recordings_for(train, seed), tests) if train else leave_one_out(tests)
+    return evaluate_folds(conditions, folds, library, jobs, cache, cluster, progress)
+
+
+def recordings_for(sources: Sequence[str | Path], seed: int = 0) -> list[Demonstration]:
+    """Demonstrations of tasks or from anything that `sbam.load` takes; whole built-in tasks with the given seed."""
+    found: list[Demonstration] = []
+    rest: list[str | Path] = []
+    for source in sources:
+        task = str(source).removeprefix(BUILT_IN)
+        known: BuiltInTask | None = next((name for name in TASKS if name == task), None)
+        if known and (str(source) != task or not Path(source).exists()):
+            found += built_in_demonstrations(known, seed)
+        else:
+            rest.append(source)
+    return found + (load(rest) if rest else [])
+
+
+def evaluation_report(results: Sequence[FoldResult], tables: Sequence[Table]) -> dict[str, Any]:
+    """All of an evaluation as plain numbers and words; keys: docs, "Reports"."""
+    return {
+        "report": "evaluation",
+        "report_version": 1,
+        "synthetic": results[0].synthetic,
+        "synthetic_training": results[0].synthetic_training,
+        "robot": results[0].robot,
+        "tables": [
+            {"name": t.name, "caption": t.caption, "columns": list(t.columns), "rows": [list(row) for row in t.rows]}
+            for t in tables
+        ],
+        "folds": plain([msgspec.to_builtins(result) for result in results]),
+    }
+
+
+def run_evaluation(recordings: Sequence[str | Path], output: Path | None = None, **options: Any) -> dict[str, Any]:
+    """`evaluate` and its report; its tables are written into a folder if one is given.
+
+    Args:
+        recordings: as for `evaluate`.
+        output: folder for the tables as Markdown, CSV and LaTeX.
+        **options: those of `evaluate`.
+
+    Returns:
+        The report, with ``ok`` if there was any execution.
+    """
+    begin = time.perf_counter()
+    results = evaluate(recordings, **options)
+    tables = evaluation_tables(results)
+    executed = any(result.executed for result in results)
+    report = {
+        "ok": executed,
+        "problems": [] if executed else list(dict.fromkeys(p for result in results for p in result.problems)),
+        "seconds": {"total": time.perf_counter() - begin},
+        **evaluation_report(results, tables),
+    }
+    if output is not None:
+        report["files"] = [str(path) for path in write_tables(tables, output)]
+    return report
+
+
+def write_tables(tables: Sequence[Table], folder: Path) -> list[Path]:
+    """Write tables as Markdown, CSV and LaTeX; returns the files.
+
+    Raises:
+        OutputError: if a file cannot be written.
+    """
+    files = []
+    for table in tables:
+        stem = table.name.replace(" ", "_").replace("/", "_")
+        for suffix, text in ((".md", table.markdown()), (".csv", table.csv()), (".tex", table.latex())):
+            files.append(folder / f"{stem}{suffix}")
+            write_atomically(files[-1], text)
+    return files
+
+
+def default_cache() -> Path:
+    """Where finished folds are kept: ``sbam/folds`` in the user's cache folder (XDG_CACHE_HOME)."""
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "sbam" / "folds"
+
+
+def _known_constraint(name: str) -> str:
+    return constraint_type(name).name
+
+
+def _planning(solver: str) -> PlanSettings:
+    return replace(PlanSettings(), solver="paper" if solver == "paper" else "default")
