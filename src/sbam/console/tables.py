@@ -160,11 +160,9 @@ def demo_lines(report: Report) -> Iterator[RenderableType]:
 
 def evaluation_tables(report: Report) -> Iterator[RenderableType]:
     """Tables of `sbam.evaluation.evaluate.evaluation_report`, and what went wrong in single folds."""
-    from sbam.evaluation.tables import cell_text
-
     for one in report["tables"]:
         yield one["caption"]
-        grid = table("", one["columns"], ([cell_text(cell) for cell in row] for row in one["rows"]))
+        grid = table("", one["columns"], one["rows"])
         for index, column in enumerate(grid.columns):
             if any(isinstance(row[index], float) for row in one["rows"]):
                 column.justify = "right"
