@@ -23,7 +23,7 @@ def write_results(
     further: Iterable[Callable[[Path], object]] = (),
     progress: Callable[[str], None] | None = None,
 ) -> list[Path]:
-    """Write a plan's trajectory, its report, a self-contained recording and plots; all of them, or nothing.
+    """Write a plan's trajectory, its report, its scene, a self-contained recording and plots; all of them, or nothing.
 
     Args:
         plan: the plan, whether it is ok or not.
@@ -43,6 +43,7 @@ def write_results(
 
     from sbam.export import write_plan
     from sbam.planning.report import plan_report
+    from sbam.scene import save_scene
     from sbam.viewer.recording import write_recording
 
     def say(stage: str) -> None:
@@ -52,6 +53,7 @@ def write_results(
     def write(draft: Path) -> None:
         say("trajectory")
         write_plan(plan, draft, formats, allow_problems=True)
+        save_scene(plan.task.scene, draft / "scene.yaml")
         (draft / "report.json").write_text(json.dumps(plan_report(plan), indent=1) + "\n", encoding="utf-8")
         say("recording")
         write_recording(plan, draft / "recording.html")

@@ -42,6 +42,7 @@ def plan_report(plan: Plan) -> dict[str, Any]:
         ],
         "robot": {
             "name": plan.robot.name,
+            "file": plan.robot.description.path,
             "T_world_base": pose_dict(plan.T_world_agent * plan.robot.T_world_base),
         },
         "scene": {"name": scene.name, "source": scene.source, "objects": tuple(scene.objects)},
