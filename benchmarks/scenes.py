@@ -23,11 +23,11 @@ from sbam.evaluation import (
 )
 
 
-def run(task: str, constraint: str, seed: int, model: object) -> dict[str, object]:
+def run(task: str, constraint: str, seed: int, model: object, robot: str) -> dict[str, object]:
     scene = random_pouring_scene(seed) if task == "pouring" else random_rolling_scene(seed)
     begin = time.perf_counter()
     try:
-        plan = sbam.plan(model, scene, robot="panda_dual")
+        plan = sbam.plan(model, scene, robot=robot)
     except SbamError as error:
         return {
             "task": task,
@@ -55,16 +55,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tasks", nargs="+", default=["pouring", "rolling"])
     parser.add_argument("--constraints", nargs="+", default=["cartesian", "cylindrical", "symbolic"])
+    parser.add_argument("--robot", default="panda_dual")
     parser.add_argument("--scenes", type=int, default=20)
     parser.add_argument("--seed", type=int, default=0, help="of the synthetic demonstrations")
     parser.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
-    print(f"learned from the built-in synthetic demonstrations, seed {arguments.seed}; robot panda_dual")
+    print(f"learned from the built-in synthetic demonstrations, seed {arguments.seed}; robot {arguments.robot}")
     for task in arguments.tasks:
         demonstrations = sbam.built_in_demonstrations(task, arguments.seed)
         for constraint in arguments.constraints:
             model = sbam.learn(demonstrations, constraint=constraint)
-            jobs = (joblib.delayed(run)(task, constraint, seed, model) for seed in range(arguments.scenes))
+            jobs = (
+                joblib.delayed(run)(task, constraint, seed, model, arguments.robot) for seed in range(arguments.scenes)
+            )
             rows = joblib.Parallel(n_jobs=arguments.jobs)(jobs)
             done = [row for row in rows if not row["problems"]]
             verified = sum(bool(row.get("verified")) for row in rows)
