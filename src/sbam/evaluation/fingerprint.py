@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
-import sbam
 from sbam.robots import Robot
 
 ROOMS = ("constraints", "demonstrations", "evaluation", "learning", "planning", "robots", "scene")
@@ -34,7 +33,7 @@ def fingerprint(*values: Any) -> str:
 @cache
 def code_fingerprint() -> str:
     """Fingerprint of the code and the data files that results depend on."""
-    root = Path(sbam.__file__).parent
+    root = Path(__file__).parents[1]
     files = sorted(path for room in ROOMS for path in (root / room).rglob("*") if path.is_file())
     return fingerprint([(str(p.relative_to(root)), p.read_bytes()) for p in files if p.suffix != ".pyc"])
 
