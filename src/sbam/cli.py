@@ -227,6 +227,41 @@ class Plan(_Verb):
         yield from plan_lines(report)
 
 
+@app.command(name="simulate")
+@dataclass(frozen=True, kw_only=True)
+class Simulate(_Verb):
+    """Try a written plan in physics: does the drink end up in the cup?"""
+
+    plan: Positional[Annotated[Path, arg(metavar="PLAN", help="Folder that `sbam plan -o` wrote.")]]
+    task: Annotated[
+        str | None,
+        arg(metavar="TASK", help="pouring, rolling, or a Python file that defines TASK; default: what fits."),
+    ] = None
+    demonstrations: Annotated[
+        tuple[str, ...],
+        arg(
+            metavar="RECORDING...",
+            help="What success is measured against; default: the built-in ones of the task.",
+            help_behavior_hint="",
+        ),
+    ] = ()
+    video: Annotated[Path | None, arg(metavar="FILE", help="Also write a film (.mp4) or moments (.png).")] = None
+    objects: Objects = None
+
+    def __call__(self) -> Report:
+        from sbam.console.progress import seconds
+        from sbam.simulation.run_folder import simulate_folder
+
+        library = _library(self.objects)
+        with seconds("simulating") as progress:
+            return simulate_folder(self.plan, self.task, self.demonstrations, self.video, library, progress)
+
+    def show(self, report: Report) -> Iterable[RenderableType]:
+        from sbam.console.tables import simulation_lines
+
+        yield from simulation_lines(report)
+
+
 @recordings.command(name="list")
 @dataclass(frozen=True, kw_only=True)
 class RecordingsList(_Verb):

@@ -105,3 +105,10 @@ class ClusterError(SbamError):
 
     def __init__(self, address: str, problem: str, remedy: str) -> None:
         super().__init__(f"cluster {address}: {problem}; {remedy}")
+
+
+class MissingExtraError(SbamError):
+    """Something that needs a library which is not installed by default."""
+
+    def __init__(self, purpose: str, library: str, extra: str) -> None:
+        super().__init__(f"{purpose} need {library}, which is not installed: `pip install 'sbam[{extra}]'`")

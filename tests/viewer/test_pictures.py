@@ -70,9 +70,9 @@ def test_without_opengl_the_error_says_what_to_install() -> None:
     program = (
         "import mujoco\n"
         "from sbam.errors import RenderingError\n"
-        "from sbam.viewer.pictures import _open\n"
+        "from sbam.viewer.pictures import open_offscreen\n"
         "try:\n"
-        "    _open(mujoco.MjModel.from_xml_string('<mujoco/>'), 10, 10)\n"
+        "    open_offscreen(mujoco.MjModel.from_xml_string('<mujoco/>'), 10, 10)\n"
         "except RenderingError as error:\n"
         "    print(error)\n"
     )

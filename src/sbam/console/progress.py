@@ -30,3 +30,10 @@ def stages(title: str) -> Iterator[Callable[[str], None]]:
         return
     with console.status(title) as status:
         yield lambda stage: status.update(f"{title}: {stage}")
+
+
+@contextmanager
+def seconds(title: str) -> Iterator[Callable[[float, float], None]]:
+    """A progress bar in seconds; gives a function to be called with how much is done and how much there is."""
+    with counting(title) as progress:
+        yield lambda done, total: progress(round(done), round(total))

@@ -141,6 +141,24 @@ def plan_lines(report: Report) -> Iterator[RenderableType]:
     yield from (f"wrote {path}" for path in report.get("files", ()))
 
 
+def simulation_lines(report: Report) -> Iterator[RenderableType]:
+    """The gist of `sbam.simulation.report.simulation_report`."""
+    values, yardstick = report["values"], report["yardstick"] or {}
+    numbers = [key for key, value in values.items() if isinstance(value, float | int)]
+    yield f"{report['action']}: {report['task']} {'succeeds' if report['ok'] else 'fails'} in physics"
+    yield table("Measured", ("", "here", "demonstrations"), ((key, values[key], yardstick.get(key)) for key in numbers))
+    if report["tracking_error"]:
+        error, torque = max(report["tracking_error"].values()), max(report["torque_ratio"].values())
+        yield f"largest tracking error {error:.4f} rad, largest torque {torque:.2f} of its limit"
+    yield "; ".join(report["assumptions"])
+    yield from (f"note: {warning}" for warning in report["warnings"])
+    yield (
+        f"{report['simulated_s']:.1f} s of physics in {report['seconds']:.1f} s "
+        f"({report['simulated_s'] / report['seconds']:.2f} x real time)"
+    )
+    yield from (f"wrote {path}" for path in report.get("files", ()))
+
+
 def demo_lines(report: Report) -> Iterator[RenderableType]:
     """What the demo did, and where to look."""
     seconds, plan, model = report["seconds"], report["plan"], report["model"]

@@ -26,6 +26,7 @@ from sbam.simulation.world import (
     exclude_held,
     set_robot_contacts,
 )
+from sbam.viewer.playback import light
 
 if TYPE_CHECKING:
     import mujoco
@@ -76,6 +77,7 @@ class World:
         else:
             self._add_guides(spec)
         task.build(spec, action)
+        light(spec, scene.T_world_agent)
         try:
             self.model = spec.compile()
         except ValueError as error:

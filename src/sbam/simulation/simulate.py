@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,13 +128,18 @@ def yardstick_of(
     """
     demonstrations = list(demonstrations)
     if action is not None:
-        moved = {action.scene.objects[name].name for name in action.T_world_object}
-        demonstrations = [d for d in demonstrations if moved <= set(d.objects)] or demonstrations
+        demonstrations = comparable(demonstrations, action)
     measured = [replay(demonstration, task, library).values for demonstration in demonstrations]
     numbers = [key for key, value in measured[0].items() if isinstance(value, float)]
     return {key: float(np.mean([values[key] for values in measured if key in values])) for key in numbers} | {
         "demonstrations": [demonstration.name for demonstration in demonstrations]
     }
+
+
+def comparable(demonstrations: Sequence[Demonstration], action: Action) -> list[Demonstration]:
+    """Those that hold the objects that an action moves, or all of them if there are none."""
+    moved = {action.scene.objects[name].name for name in action.T_world_object}
+    return [one for one in demonstrations if moved <= set(one.objects)] or list(demonstrations)
 
 
 def _execution(record: Record) -> tuple[list[str], list[str]]:

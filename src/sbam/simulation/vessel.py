@@ -51,9 +51,9 @@ def add_shell(
 
     stand = upright_rotation(up, 0.0).inv()  # from "z up" into the body's frame
 
-    def box(center: Array, rotation: Rotation, size: Array) -> None:
+    def add(kind: mujoco.mjtGeom, center: Array, rotation: Rotation, size: Array) -> None:
         body.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_BOX,
+            type=kind,
             pos=stand.apply(center),
             quat=(stand * rotation).as_quat(scalar_first=True),
             size=size,
@@ -75,9 +75,10 @@ def add_shell(
             leaning = around * Rotation.from_euler("y", slope)
             middle = np.array([0.5 * (inner + outer), 0.0, 0.5 * (low + high)])
             center = around.apply(middle) + leaning.apply([half, 0.0, 0.0])
-            box(center, leaning, np.array([half, width, 0.5 * length]))
+            add(mujoco.mjtGeom.mjGEOM_BOX, center, leaning, np.array([half, width, 0.5 * length]))
     radius = float(profile.radii[0]) + profile.wall
-    box(np.array([0.0, 0.0, profile.heights[0] - half]), Rotation.identity(), np.array([radius, radius, half]))
+    floor = np.array([0.0, 0.0, profile.heights[0] - half])
+    add(mujoco.mjtGeom.mjGEOM_CYLINDER, floor, Rotation.identity(), np.array([radius, half, 0.0]))
 
 
 def inside(model: ObjectModel, local: Array) -> NDArray[np.bool_]:

@@ -89,7 +89,7 @@ class SceneRenderer:
         """
         self._playback, self._regions = playback, regions
         model = playback.model
-        self._context, self._gl = _open(model, width, height)
+        self._context, self._gl = open_offscreen(model, width, height)
         self._rectangle = mujoco.MjrRect(0, 0, width, height)
         self._scene = mujoco.MjvScene(model, maxgeom=2000)
         self._option = mujoco.MjvOption()
@@ -166,8 +166,12 @@ class SceneRenderer:
                 )
 
 
-def _open(model: mujoco.MjModel, width: int, height: int) -> tuple[mujoco.MjrContext, Any]:
-    """An offscreen OpenGL context and MuJoCo's resources in it."""
+def open_offscreen(model: mujoco.MjModel, width: int, height: int) -> tuple[mujoco.MjrContext, Any]:
+    """An offscreen OpenGL context and MuJoCo's resources in it; free both.
+
+    Raises:
+        RenderingError: if the machine has none.
+    """
     try:
         if sys.platform == "linux" and not os.environ.get("MUJOCO_GL"):
             from mujoco.egl import GLContext  # MuJoCo's own choice would want a screen

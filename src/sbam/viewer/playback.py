@@ -65,7 +65,7 @@ class Playback:
                     pos=[foot[0], foot[1], self.floor + half],
                     rgba=STAND_COLOR,
                 )
-        _light(spec, plan.T_world_agent)
+        light(spec, plan.T_world_agent)
         self.model = compile_spec(spec, robot.description.path)
         self._joints = [int(self.model.joint(name).qposadr[0]) for name in plan.trajectory.joint_names]
         self._rest = self.model.qpos0.copy()
@@ -162,7 +162,7 @@ class Playback:
         ]
 
 
-def _light(spec: mujoco.MjSpec, T_world_agent: RigidTransform) -> None:
+def light(spec: mujoco.MjSpec, T_world_agent: RigidTransform) -> None:
     """A bright background, one lamp that casts shadows and a weaker one from the other side."""
     spec.visual.global_.offwidth = spec.visual.global_.offheight = LARGEST_PICTURE
     spec.visual.quality.shadowsize = 2048
