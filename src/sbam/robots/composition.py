@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +11,8 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import FileFormatError, UnknownNameError
 from sbam.robots.description import RobotDescription
-from sbam.robots.urdf import read_urdf
+from sbam.robots.model_files import find_model, read_model
+from sbam.robots.urdf import UrdfJoint, urdf_joints
 from sbam.scene import ObjectModel
 
 if TYPE_CHECKING:
@@ -27,7 +28,9 @@ UNNAMED = "unnamed/"
 """MuJoCo warns of an empty prefix: a part without one is mounted with this and loses it afterwards."""
 
 
-def compose(description: RobotDescription, T_world_base: RigidTransform, *, lock: bool = True) -> mujoco.MjSpec:
+def compose(
+    description: RobotDescription, T_world_base: RigidTransform, *, lock: bool = True, meshes: bool = False
+) -> mujoco.MjSpec:
     """Mount all parts of a robot on one base body.
 
     Args:
@@ -35,7 +38,9 @@ def compose(description: RobotDescription, T_world_base: RigidTransform, *, lock
         T_world_base: pose of the robot's frame in the world.
         lock: make every joint that is not planned rigid, at the position that the description gives, so that the
             model's joints are exactly the planned ones, and drop equalities. Without it they move (for physics with
-            fingers). Actuators, sensors, tendons and keyframes of the files are dropped in either case.
+            fingers). Actuators, sensors, tendons, keyframes, planes and free joints of the files are dropped in either
+            case.
+        meshes: keep meshes that are only drawn, where their files are found.
 
     Raises:
         FileFormatError: if a model file cannot be used.
@@ -48,8 +53,11 @@ def compose(description: RobotDescription, T_world_base: RigidTransform, *, lock
     position, quaternion_wxyz = pose_arrays(T_world_base)
     base = spec.worldbody.add_body(name=BASE, pos=position, quat=quaternion_wxyz)
     for index, part in enumerate(description.parts):
-        path = Path(description.path).parent / part.model
-        child = _read_model(path, description.path, index)
+        path = find_model(part.model, description.path, f"$.parts[{index}].model")
+        child = read_model(path, meshes=meshes).spec
+        if path.suffix == ".urdf":
+            _check_urdf_joints(description, part.prefix, urdf_joints(path))
+        _stand_on_base(child)
         position, quaternion_wxyz = pose_arrays(part.transform())
         frame = base.add_frame(pos=position, quat=quaternion_wxyz)
         spec.attach(child, prefix=part.prefix or UNNAMED, frame=frame)
@@ -59,6 +67,12 @@ def compose(description: RobotDescription, T_world_base: RigidTransform, *, lock
             spec.delete(element)
     _strip_prefix(spec)
     _check_joints(spec, description)
+    _check_closures(spec, description)
+    for name, joint in description.joints.items():
+        if joint.lower is not None and joint.upper is not None:
+            planned = spec.joint(name)
+            planned.range, planned.limited = [joint.lower, joint.upper], mujoco.mjtLimited.mjLIMITED_TRUE
+    _exclude(spec, description)
     if lock:
         _lock(spec, description)
     return spec
@@ -103,18 +117,74 @@ def compile_spec(spec: mujoco.MjSpec, path: str) -> mujoco.MjModel:
         raise FileFormatError(path, "$.parts", f"MuJoCo cannot compile the model: {error}") from error
 
 
-def _read_model(path: Path, description_path: str, index: int) -> mujoco.MjSpec:
+def _stand_on_base(spec: mujoco.MjSpec) -> None:
+    """Remove what belongs to a scene and not to a robot: floors, and joints that let the whole robot float."""
     import mujoco
 
-    where = f"$.parts[{index}].model"
-    if not path.is_file():
-        raise FileFormatError(description_path, where, f"no model file {str(path)!r}", "a path relative to this file")
-    try:
-        if path.suffix == ".urdf":
-            return mujoco.MjSpec.from_string(read_urdf(path))
-        return mujoco.MjSpec.from_file(str(path))
-    except ValueError as error:
-        raise FileFormatError(path, "", f"MuJoCo cannot read it: {error}", "an MJCF or URDF model") from error
+    for joint in list(spec.joints):
+        if joint.type == mujoco.mjtJoint.mjJNT_FREE:
+            spec.delete(joint)
+    for geom in list(spec.geoms):
+        if geom.type in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
+            spec.delete(geom)
+
+
+def _check_urdf_joints(description: RobotDescription, prefix: str, joints: Mapping[str, UrdfJoint]) -> None:
+    """What MuJoCo would pass over: planned joints that follow others, or whose limits are none."""
+    for own_name, joint in joints.items():
+        name = prefix + own_name
+        planned = description.joints.get(name)
+        if planned is None:
+            continue
+        where = f"$.joints.{name}"
+        if joint.mimics:
+            problem = f"mimics {prefix + joint.mimics!r} in the model and cannot be planned"
+            raise FileFormatError(description.path, where, problem, "it in locked_joints, or a joint that moves freely")
+        if joint.kind == "continuous" or planned.lower is not None:
+            continue
+        lower, upper = joint.lower, joint.upper
+        if lower is None or upper is None or not (math.isfinite(lower) and math.isfinite(upper)) or lower >= upper:
+            problem = f"is {joint.kind} with limits {lower} to {upper} in the model"
+            raise FileFormatError(description.path, where, problem, "lower and upper here, or a continuous joint")
+
+
+def _check_closures(spec: mujoco.MjSpec, description: RobotDescription) -> None:
+    """Couplings of planned joints, which kinematics of open chains would silently ignore."""
+    import mujoco
+
+    planned, kinds = description.joints, mujoco.mjtEq
+    for equality in spec.equalities:
+        if equality.type == kinds.mjEQ_JOINT:
+            names = [name for name in (equality.name1, equality.name2) if name]
+            coupled = [name for name in names if name in planned]
+            if coupled:
+                problem = f"the model couples joint {' with '.join(map(repr, names))}"
+                raise FileFormatError(description.path, f"$.joints.{coupled[0]}", problem, "joints that move freely")
+        elif equality.type in (kinds.mjEQ_CONNECT, kinds.mjEQ_WELD):
+            first, second = (_joints_above(spec, name) for name in (equality.name1, equality.name2))
+            closed = [name for name in planned if (name in first) != (name in second)]
+            if closed:
+                problem = f"the model closes a chain through it: {equality.name1!r} is held to {equality.name2!r}"
+                raise FileFormatError(description.path, f"$.joints.{closed[0]}", problem, "an open chain")
+
+
+def _joints_above(spec: mujoco.MjSpec, name: str) -> set[str]:
+    """Names of the joints that move a body or site."""
+    site = spec.site(name)
+    body, joints = site.parent if site is not None else spec.body(name), set()
+    while body is not None and body.parent is not None:
+        joints |= {joint.name for joint in body.joints}
+        body = body.parent
+    return joints
+
+
+def _exclude(spec: mujoco.MjSpec, description: RobotDescription) -> None:
+    names = [body.name for body in spec.bodies]
+    for index, pair in enumerate(description.may_touch):
+        for name in pair:
+            if name not in names:
+                raise UnknownNameError("body", name, names, f"{description.path} at $.may_touch[{index}]")
+        spec.add_exclude(bodyname1=pair[0], bodyname2=pair[1])
 
 
 def _check_joints(spec: mujoco.MjSpec, description: RobotDescription) -> None:

@@ -38,7 +38,7 @@ class Part(Pose, frozen=True, kw_only=True):
     """A model file (MJCF or URDF) and where it is mounted in the robot's frame.
 
     Attributes:
-        model: path of the file, relative to the description.
+        model: path of the file, relative to the description, or the name of a model of `robot_descriptions`.
         prefix: put before every name of the file, so that one file can be mounted twice.
     """
 
@@ -47,9 +47,14 @@ class Part(Pose, frozen=True, kw_only=True):
 
 
 class JointDescription(_Struct, frozen=True, kw_only=True):
-    """Home position and dynamic limits of a planned joint; rad and Nm, or m and N for a prismatic joint."""
+    """Home position and limits of a planned joint; rad and Nm, or m and N for a prismatic joint.
+
+    ``lower`` and ``upper`` replace the model's position limits, or give them where the model has none.
+    """
 
     home: float = 0.0
+    lower: float | None = None
+    upper: float | None = None
     velocity: Positive
     acceleration: Positive
     jerk: Positive
@@ -125,6 +130,7 @@ class RobotDescription(_Struct, frozen=True):
         arms: the left and the right arm.
         torso_joints: planned joints that move both arms.
         locked_joints: other joints of the model and the position they are held at; unlisted ones are held at 0.
+        may_touch: pairs of bodies that are not compared in collision checks because they touch in many postures.
         human_likeness: whether the human-likeness term is on by default.
         note: origin of the numbers.
         path: file it was read from.
@@ -138,6 +144,7 @@ class RobotDescription(_Struct, frozen=True):
     arms: dict[ArmName, ArmDescription]
     torso_joints: tuple[str, ...] = ()
     locked_joints: dict[str, float] = {}
+    may_touch: tuple[tuple[str, str], ...] = ()
     human_likeness: bool = False
     note: str = ""
     path: str = ""
@@ -190,7 +197,8 @@ def _check(description: RobotDescription) -> None:
     """What the types alone cannot say."""
     path, known = description.path, description.joints
     for missing in {"left", "right"} - set(description.arms):
-        raise FileFormatError(path, "$.arms", f"no {missing} arm", "arms 'left' and 'right'")
+        expected = "arms 'left' and 'right'; for two arms of one file mount it twice in $.parts"
+        raise FileFormatError(path, "$.arms", f"no {missing} arm", expected)
     users: dict[str, str] = {}
     lists = [("$.torso_joints", description.torso_joints)]
     lists += [(f"$.arms.{side}.joints", arm.joints) for side, arm in description.arms.items()]
@@ -206,6 +214,12 @@ def _check(description: RobotDescription) -> None:
         raise FileFormatError(path, f"$.joints.{name}", "belongs to no arm and not to the torso", "locked_joints")
     for name in set(known) & set(description.locked_joints):
         raise FileFormatError(path, f"$.locked_joints.{name}", "is also a planned joint")
+    for name, joint in known.items():
+        if (joint.lower is None) != (joint.upper is None):
+            raise FileFormatError(path, f"$.joints.{name}", "has only one of lower and upper", "both or none")
+        if joint.lower is not None and joint.upper is not None and joint.lower >= joint.upper:
+            problem = f"lower {joint.lower} is not below upper {joint.upper}"
+            raise FileFormatError(path, f"$.joints.{name}", problem, "a range in which the joint can move")
     for side, arm in description.arms.items():
         for index, seed in enumerate(arm.ik_seeds):
             if len(seed) != len(arm.joints):

@@ -276,9 +276,9 @@ class Robot:
         result.home, result._spare_data = posture, []
         return result
 
-    def spec(self, *, lock: bool = True) -> mujoco.MjSpec:
+    def spec(self, *, lock: bool = True, meshes: bool = False) -> mujoco.MjSpec:
         """A fresh editable MuJoCo model of the robot where it stands, to compose scenes with (see `compose`)."""
-        return compose(self.description, self.T_world_base, lock=lock)
+        return compose(self.description, self.T_world_base, lock=lock, meshes=meshes)
 
     def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, "_spare_data": []}
