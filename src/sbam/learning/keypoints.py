@@ -50,8 +50,11 @@ def keypoint_histogram(
     padded = np.concatenate([[0.0], filtered, [0.0]])
     prominence = settings.keypoint_prominence * max(float(filtered.max()), np.finfo(float).tiny)
     peaks, properties = find_peaks(padded, prominence=prominence)
-    strongest = np.argsort(-properties["prominences"], kind="stable")[: settings.max_peaks]
-    return KeypointHistogram(edges, counts, filtered, np.sort(peaks[strongest] - 1))
+    # The filter rings: a peak with no candidate in its bin or beside it is none.
+    crowded = np.convolve(counts, np.ones(3), mode="same")[peaks - 1] > 0
+    peaks, prominences = peaks[crowded] - 1, properties["prominences"][crowded]
+    strongest = np.argsort(-prominences, kind="stable")[: settings.max_peaks]
+    return KeypointHistogram(edges, counts, filtered, np.sort(peaks[strongest]))
 
 
 def keypoint_times(histogram: KeypointHistogram, anchors: Array) -> Array:

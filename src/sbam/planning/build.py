@@ -10,10 +10,10 @@ from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionReference, constraint_type
 from sbam.demonstrations.demonstration import Hand
-from sbam.learning.generalization import GeneralizedChange
 from sbam.planning.problem import Problem
 from sbam.planning.settings import PlanSettings
 from sbam.planning.state import Carrying, RegionPoint, Workspace
+from sbam.planning.targets import pair_target, support_slide
 from sbam.planning.task import Task
 from sbam.planning.terms import Closure, Damping, HumanLikeness, Resting, Similarity, Smoothness, Term
 from sbam.planning.weights import pair_weights
@@ -90,10 +90,8 @@ def _similarities(
     for name in sorted({change.constraint for change in task.model.changes}):
         changes = [change for change in task.model.changes if change.constraint == name]
         constraint = constraint_type(name).in_mode(task.model.mode)
-        values = [change.at(times) for change in changes]
-        target = np.stack([mean for mean, _ in values], axis=1)
+        target = np.stack([pair_target(task, change, times, settings) for change in changes], axis=1)
         weight = np.stack([pair_weights(task.model, c, times, settings.proximity) for c in changes], axis=1)
-        slide = task.model.mode == "default" and settings.slide_supports
         terms.append(
             Similarity(
                 constraint=constraint,
@@ -101,28 +99,12 @@ def _similarities(
                 first=np.array([index[change.pair.first] for change in changes]),
                 second=np.array([-1 if c.pair.second is None else index[c.pair.second] for c in changes]),
                 origin=np.array([task.region_at_start(change.pair.first) for change in changes]),
-                shift=np.array([_slide(task, change) if slide else np.zeros(3) for change in changes]),
+                shift=np.array([support_slide(task, change, settings) for change in changes]),
                 target=target,
                 weight=weight,
             )
         )
     return terms
-
-
-def _slide(task: Task, change: GeneralizedChange) -> Array:
-    """How far the reference point of a support slides in its plane, (3,) m, agent frame; zero for other pairs.
-
-    Things may be placed anywhere on a support: its ellipse is a tolerance, its centre is arbitrary. The reference point
-    is the one from which the pair starts as it did in the demonstrations, as far as the ellipse reaches.
-    """
-    first, second = change.pair.first, change.pair.second
-    if second is None or second.role == first.role or not second.affordance.startswith("place onto"):
-        return np.zeros(3)
-    vector = task.region_at_start(first) - task.region_at_start(second)
-    shift = constraint_type(change.constraint).vector(change.at(np.zeros(1))[0])[0] - vector
-    shift[2] = 0.0
-    reach = 2.0 * task.scene.objects[task.binding[second.role]].region(second.affordance).half_axes.max()
-    return shift * min(1.0, reach / max(float(np.linalg.norm(shift)), 1e-9))
 
 
 def _damping(task: Task, times: Array, settings: PlanSettings) -> Damping:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from sbam.planning.problem import Problem
 from sbam.planning.solvers.result import Solution
+from sbam.planning.terms import Similarity
 
 # A pair counts as missed if its residual exceeds the free flight's by this many learned standard deviations.
 UNREACHED = 3.0
@@ -21,13 +22,15 @@ def unreached(problem: Problem, solution: Solution, free: Solution, times: NDArr
     than it would be without a robot.
     """
     sentences = []
+    # In mode `paper` a pair's residual is in mm by unit weights, which no one threshold fits.
+    dimensionless = all(term.constraint.mode == "default" for term in problem.terms if isinstance(term, Similarity))
     requirements = {term.name for term in problem.terms if term.is_requirement}
     for name, groups in solution.terms.items():
         for group, cost in groups.items():
             if name in requirements:
                 excess = np.sqrt(2.0 * cost)  # in scales of the requirement: 0.2 mm, 2 mrad
                 limit, unit = REQUIREMENT, "times its scale of 0.2 mm and 2 mrad"
-            elif name == "similarity" and group in free.terms.get(name, {}):
+            elif name == "similarity" and dimensionless and group in free.terms.get(name, {}):
                 excess, limit, unit = cost - free.terms[name][group], UNREACHED, "learned standard deviations"
             else:
                 continue

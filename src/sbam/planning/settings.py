@@ -24,6 +24,7 @@ class PlanSettings:
         smoothness: coefficient of the squared joint steps between keypoints, 1/rad^2.
         slide_supports: in mode ``default``, whether pairs against a support (``place onto``) start from wherever the
             object stands on it instead of from the support's centre.
+        rigid_length: in mode ``default``, whether pairs within one object are brought to the object's own length.
         proximity: in mode ``default``, spread of a pair that is expected before any demonstration, per distance of its
             regions; see `sbam.planning.weights`.
         speed: share of the robot's velocity limits that may be used; accelerations scale with its square.
@@ -40,6 +41,7 @@ class PlanSettings:
     damping: float = 10.0
     smoothness: float = 0.05
     slide_supports: bool = True
+    rigid_length: bool = True
     proximity: float = 0.2
     speed: float = 0.5
     sample_rate: float = 1000.0
