@@ -17,6 +17,9 @@ from sbam.files import write_atomically
 from sbam.robots import Robot, load_robot
 from sbam.scene import ObjectLibrary
 
+ANSWER = 5
+"""How long a cluster's scheduler may take to answer, s."""
+
 Progress = Callable[[int, int], None]
 
 
@@ -138,7 +141,7 @@ def _backend(jobs: int, cluster: str | None) -> Iterator[Callable]:
     except ImportError:
         raise ClusterError(cluster, "Dask is not installed here", "pip install 'sbam[cluster]'") from None
     try:
-        client = Client(cluster, timeout=10)
+        client = Client(cluster, timeout=ANSWER)
     except (OSError, ValueError) as error:
         raise ClusterError(cluster, str(error) or type(error).__name__, "is `dask scheduler` running there?") from error
     with client:
