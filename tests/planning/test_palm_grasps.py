@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sbam.demonstrations.scenes import starting_scene
-from sbam.planning.grasps import HEIGHTS, LAID_ON, PALM_CLEARANCE, TILTS_AROUND, TILTS_PALM_DOWN, candidate_grasps
+from sbam.planning.grasps import LAID_ON, PALM_CLEARANCE, PALM_HEIGHTS, TILTS_AROUND, TILTS_PALM_DOWN, candidate_grasps
 from sbam.planning.plan import plan
 from sbam.planning.task import MovedObject, bind
 from sbam.robots import CollisionModel, Robot, load_robot
@@ -58,7 +58,7 @@ def test_vessels_are_held_thumb_up_and_fingers_down(objects, candidates, name, h
         on_axis = moved.start.inv().apply(tcp.translation + grasp.depth * normal) - region.center
         along = on_axis @ region.axis
         np.testing.assert_allclose(on_axis, along * region.axis, atol=1e-9)
-        assert np.abs(along / region.half_length - np.array(HEIGHTS)).min() < 1e-9
+        assert np.abs(along / region.half_length - np.array(PALM_HEIGHTS)).min() < 1e-9
         # the palm lies against the object: not in it, and not far from it
         gap = grasp.depth - HALF_PALM - region.width / 2
         assert PALM_CLEARANCE - 1e-9 <= gap <= PALM_CLEARANCE + LAID_ON

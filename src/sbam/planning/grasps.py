@@ -31,6 +31,7 @@ TILTS_AROUND = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0])  # fingers point down b
 TILTS_ACROSS = np.deg2rad([0.0, 20.0, 40.0, 60.0])  # approach from above, leaning forward by this
 TILTS_PALM_DOWN = np.deg2rad([0.0, 15.0, 30.0, 45.0])  # palm down on a bar, fingers forward and down by this
 HEIGHTS = (0.5, 0.0, -0.5)  # along the region's axis, shares of its half length
+PALM_HEIGHTS = (1.0, 0.5, 0.0)  # the same for palms on vessels: a palm is wide and the table near
 DEPTHS = (0.0, 0.006, 0.012, 0.018)  # m that the TCP may stay short of the axis so that only fingers touch the object
 PALM_DEPTHS = tuple(0.002 * i for i in range(5, 46))  # m that it stays short where a palm lies against the object
 LAID_ON = 0.010  # m that a palm may lie farther from the axis than where it lies nearest
@@ -112,7 +113,8 @@ def _at_region(
     human = _human_azimuths(moved, hand, region)
     directions = _palm_directions(moved, hand, region, axis) if has_palm else _directions(moved, region, axis)
     grasps = []
-    for height in HEIGHTS if region.kind == "around" or has_palm else (0.0,):
+    heights = HEIGHTS if region.kind == "around" or has_palm else (0.0,)
+    for height in PALM_HEIGHTS if region.kind == "around" and has_palm else heights:
         center = moved.start.apply(region.center + height * region.half_length * region.axis)
         depths: dict[float, float | None] = {}
         for azimuth, tilt, approach, across in directions:
