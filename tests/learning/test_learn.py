@@ -254,3 +254,12 @@ def test_one_moving_object_without_hands(recordings_folder):
     (hold,) = model.holds
     assert hold.role == "pour_from" and hold.hand_position.shape == (0, 3)
     assert hold.grasp < hold.release
+
+
+def test_a_demonstration_counts_once(pouring):
+    demonstrations = pouring[:2]
+    model = learn(demonstrations)
+    with pytest.raises(DemonstrationError, match="is in the model already"):
+        add_demonstration(model, demonstrations[0])
+    with pytest.raises(DemonstrationError, match="is in the model already"):
+        learn([*demonstrations, demonstrations[1]])

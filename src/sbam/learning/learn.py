@@ -129,6 +129,8 @@ def _sketch(
     settings: LearningSettings,
 ) -> DemonstrationSketch:
     check_recording(demonstration)
+    if any(demonstration.name == sketch.name for sketch in earlier):
+        raise DemonstrationError(demonstration.name, "is in the model already", "rename it if it is another recording")
     models = demonstrated_models(demonstration, library)
     if earlier:
         objects = bind_demonstration(demonstration, models, [sketch.roles for sketch in earlier], settings)
