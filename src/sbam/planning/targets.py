@@ -13,6 +13,10 @@ from sbam.planning.task import Task
 Array = NDArray[np.float64]
 
 
+START_SPREADS = 2.0
+"""A start this many standard deviations from the mean demonstrated one is still as in the demonstrations."""
+
+
 def pair_target(task: Task, change: GeneralizedChange, times: Array, settings: PlanSettings) -> Array:
     """Learned mean of a pair, (K, C) in the channels' units.
 
@@ -35,7 +39,8 @@ def support_slide(task: Task, change: GeneralizedChange, settings: PlanSettings)
     """How far the reference point of a support slides in its plane, (3,) m, agent frame; zero for other pairs.
 
     Things may be placed anywhere on a support: its ellipse is a tolerance, its centre is arbitrary. The reference point
-    is the one from which the pair starts as it did in the demonstrations, as far as the ellipse reaches.
+    is the one from which the pair starts within the spread of the demonstrations, as far as the ellipse reaches. Within
+    that spread nothing slides: from starts as different as this one people went to the same place.
     """
     first, second = change.pair.first, change.pair.second
     if task.model.mode == "paper" or not settings.slide_supports:
@@ -45,5 +50,14 @@ def support_slide(task: Task, change: GeneralizedChange, settings: PlanSettings)
     vector = task.region_at_start(first) - task.region_at_start(second)
     shift = constraint_type(change.constraint).vector(change.at(np.zeros(1))[0])[0] - vector
     shift[2] = 0.0
+    shift *= max(0.0, 1.0 - START_SPREADS * start_spread(change) / max(float(np.linalg.norm(shift)), 1e-9))
     reach = 2.0 * task.scene.objects[task.binding[second.role]].region(second.affordance).half_axes.max()
     return shift * min(1.0, reach / max(float(np.linalg.norm(shift)), 1e-9))
+
+
+def start_spread(change: GeneralizedChange) -> float:
+    """Standard deviation in the plane of a pair's vector at the start over the demonstrations, m, to first order."""
+    kind = constraint_type(change.constraint)
+    mean, std = change.at(np.zeros(1))
+    deviations = [kind.vector(mean + step)[0] - kind.vector(mean - step)[0] for step in np.diag(std[0])]
+    return 0.5 * float(np.linalg.norm(np.array(deviations)[:, :2]))
