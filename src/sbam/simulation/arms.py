@@ -26,8 +26,6 @@ def add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
 
     limits = dict(zip(robot.joint_names, robot.torque_limit, strict=True))
     for joint in spec.joints:
-        if joint.name not in limits and joint.type == mujoco.mjtJoint.mjJNT_FREE:
-            continue
         limit = float(limits.get(joint.name, FINGER_FORCE))
         joint.actfrclimited = True
         joint.actfrcrange = [-limit, limit]

@@ -13,7 +13,7 @@ DENSITY = 1000.0  # kg/m^3, of spheres: water
 FRICTION = 0.1  # of spheres
 OBJECT_FRICTION = 0.8
 
-_LEFT, _RIGHT, _OBJECT, _SUPPORT, _PARTICLE, _SHELL, _FOOT = (1 << bit for bit in range(7))
+_LEFT, _RIGHT, _OBJECT, _SUPPORT, _PARTICLE, _SHELL, _FOOT, _DOUGH = (1 << bit for bit in range(8))
 LEFT = (_LEFT, _RIGHT | _OBJECT | _SUPPORT)
 RIGHT = (_RIGHT, _LEFT | _OBJECT | _SUPPORT)
 FOOT = (_FOOT, _OBJECT)
@@ -21,6 +21,7 @@ OBJECT = (_OBJECT, _LEFT | _RIGHT | _OBJECT | _SUPPORT | _SHELL)
 SUPPORT = (_SUPPORT, _LEFT | _RIGHT | _OBJECT | _PARTICLE | _SHELL)
 PARTICLE = (_PARTICLE, _PARTICLE | _SUPPORT | _SHELL)
 SHELL = (_SHELL, _PARTICLE)
+DOUGH = (_DOUGH, _OBJECT)
 OPEN_SHELL = (_SHELL, _PARTICLE | _OBJECT | _LEFT | _RIGHT | _SUPPORT | _SHELL)
 """Contact bits (contype, conaffinity): who touches whom. Arms do not touch spheres, nor links of their own arm."""
 

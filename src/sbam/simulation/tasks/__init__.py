@@ -10,8 +10,9 @@ from sbam.errors import FileFormatError, SimulationError, UnknownNameError
 from sbam.simulation.action import Action
 from sbam.simulation.tasks.base import Task, Values
 from sbam.simulation.tasks.pouring import Pouring
+from sbam.simulation.tasks.rolling import Rolling
 
-TASKS: Mapping[str, Task] = {task.name: task for task in (Pouring(),)}
+TASKS: Mapping[str, Task] = {task.name: task for task in (Pouring(), Rolling())}
 """Name -> task; a new one is a file and a line here, or a file of your own (`load_task`)."""
 
 
