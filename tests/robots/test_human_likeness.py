@@ -88,7 +88,7 @@ def test_value_is_the_equation_and_half_the_squared_residual(robot):
 def test_derivatives(robot):
     term = HumanLikeness(robot, forearm_weight=0.5)
     q = configurations(robot, 10, seed=1)
-    kinematics = robot.kinematics(q, ["base", *term.frames])
+    kinematics = robot.kinematics(q, ["robot_base", *term.frames])
     jacobian, gradient = term.jacobian(kinematics), term.gradient(kinematics)
     assert jacobian.shape == (10, 12, q.shape[1])
     for joint in range(q.shape[1]):

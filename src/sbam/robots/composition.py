@@ -18,7 +18,7 @@ from sbam.scene import ObjectModel
 if TYPE_CHECKING:
     import mujoco
 
-BASE = "base"
+BASE = "robot_base"
 """Name of the body that carries all parts; its frame is the robot's frame."""
 
 OBJECT_PREFIX = "object/"
@@ -57,7 +57,7 @@ def compose(
         child = read_model(path, meshes=meshes).spec
         if path.suffix == ".urdf":
             _check_urdf_joints(description, part.prefix, urdf_joints(path))
-        _stand_on_base(child)
+        stand_on_base(child)
         position, quaternion_wxyz = pose_arrays(part.transform())
         frame = base.add_frame(pos=position, quat=quaternion_wxyz)
         spec.attach(child, prefix=part.prefix or UNNAMED, frame=frame)
@@ -117,7 +117,7 @@ def compile_spec(spec: mujoco.MjSpec, path: str) -> mujoco.MjModel:
         raise FileFormatError(path, "$.parts", f"MuJoCo cannot compile the model: {error}") from error
 
 
-def _stand_on_base(spec: mujoco.MjSpec) -> None:
+def stand_on_base(spec: mujoco.MjSpec) -> None:
     """Remove what belongs to a scene and not to a robot: floors, and joints that let the whole robot float."""
     import mujoco
 

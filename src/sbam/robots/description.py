@@ -189,12 +189,12 @@ def read_description(path: str | Path) -> RobotDescription:
         raise FileVersionError(path, content["format_version"], FORMAT_VERSION)
     description = convert(content, RobotDescription, path)
     description = msgspec.structs.replace(description, path=str(path))
-    _check(description)
+    check_description(description)
     return description
 
 
-def _check(description: RobotDescription) -> None:
-    """What the types alone cannot say."""
+def check_description(description: RobotDescription) -> None:
+    """Check what the types alone cannot say; raises as `read_description` does."""
     path, known = description.path, description.joints
     for missing in {"left", "right"} - set(description.arms):
         expected = "arms 'left' and 'right'; for two arms of one file mount it twice in $.parts"
