@@ -232,7 +232,9 @@ class Plan(_Verb):
 class Simulate(_Verb):
     """Try a written plan in physics: does the drink end up in the cup?"""
 
-    plan: Positional[Annotated[Path, arg(metavar="PLAN", help="Folder that `sbam plan -o` wrote.")]]
+    plan: Positional[
+        Annotated[Path | None, arg(metavar="PLAN", help="Folder that `sbam plan -o` wrote; or give --sweep.")]
+    ] = None
     task: Annotated[
         str | None,
         arg(metavar="TASK", help="pouring, rolling, or a Python file that defines TASK; default: what fits."),
@@ -246,20 +248,50 @@ class Simulate(_Verb):
         ),
     ] = ()
     video: Annotated[Path | None, arg(metavar="FILE", help="Also write a film (.mp4) or moments (.png).")] = None
+    sweep: Annotated[
+        Path | None,
+        arg(metavar="DIR", help="Instead plan and try random scenes; the folder keeps every trial, so it can go on."),
+    ] = None
+    scenes: Annotated[int, arg(help="Random scenes of a sweep.")] = 20
+    robots: Annotated[tuple[str, ...], arg(metavar="ROBOT...", help="Robots of a sweep.", help_behavior_hint="")] = (
+        "panda_dual",
+    )
+    constraints: Annotated[tuple[Constraints, ...], arg(help="Types of a sweep.")] = (
+        "cartesian",
+        "cylindrical",
+        "symbolic",
+    )
+    modes: Annotated[tuple[Mode, ...], arg(help="How to learn and plan in a sweep.")] = ("default",)
+    jobs: Annotated[int, arg(help="Processes of a sweep; -1 for one per core.")] = -1
     objects: Objects = None
 
+    def __post_init__(self) -> None:
+        if (self.plan is None) == (self.sweep is None):
+            raise usage_error("give the folder of a plan, or --sweep DIR")
+        if self.scenes < 1 or self.jobs == 0:
+            raise usage_error("--scenes must be 1 or more, and --jobs not 0")
+
     def __call__(self) -> Report:
-        from sbam.console.progress import seconds
+        from sbam.console.progress import counting, seconds
         from sbam.simulation.run_folder import simulate_folder
 
+        if self.sweep:
+            from sbam.simulation.sweep import sweep
+
+            tasks = (self.task,) if self.task else ("pouring", "rolling")
+            with counting("trials") as trials:
+                return sweep(
+                    self.sweep, tasks, self.robots, self.constraints, self.modes, self.scenes, self.jobs, trials
+                )
+        assert self.plan is not None
         library = _library(self.objects)
         with seconds("simulating") as progress:
             return simulate_folder(self.plan, self.task, self.demonstrations, self.video, library, progress)
 
     def show(self, report: Report) -> Iterable[RenderableType]:
-        from sbam.console.tables import simulation_lines
+        from sbam.console.tables import simulation_lines, sweep_lines
 
-        yield from simulation_lines(report)
+        yield from sweep_lines(report) if self.sweep else simulation_lines(report)
 
 
 @recordings.command(name="list")

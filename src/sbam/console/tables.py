@@ -159,6 +159,17 @@ def simulation_lines(report: Report) -> Iterator[RenderableType]:
     yield from (f"wrote {path}" for path in report.get("files", ()))
 
 
+def sweep_lines(report: Report) -> Iterator[RenderableType]:
+    """The table of `sbam.simulation.sweep.sweep`, and what failed."""
+    cells = report["cells"]
+    yield table("Random scenes in physics", tuple(cells[0]), (tuple(cell.values()) for cell in cells))
+    for row in report["rows"]:
+        if not row["ok"]:
+            case = f"{row['task']} {row['robot']} {row['constraint']} {row['mode']} scene {row['seed']}"
+            yield f"{case}, {row['stage']}: {'; '.join(row['problems'])}"
+    yield from (f"wrote {path}" for path in report["files"])
+
+
 def demo_lines(report: Report) -> Iterator[RenderableType]:
     """What the demo did, and where to look."""
     seconds, plan, model = report["seconds"], report["plan"], report["model"]
