@@ -174,14 +174,27 @@ class _Tree:
             return 0.0
         return float(np.clip(0.0, *self.model.jnt_range[index]))
 
-    def opened(self, joint: str) -> float:
-        """Where a finger is open: a slide at the end of its range, a hinge at rest."""
+    def opened(self, joints: list[str], hand: int) -> dict[str, float]:
+        """Where fingers are open: slides at the end of their range, hinges where their links are farthest apart."""
         import mujoco
 
-        index = self.model.joint(joint).id
-        if self.model.jnt_type[index] != mujoco.mjtJoint.mjJNT_SLIDE or not self.model.jnt_limited[index]:
-            return self.rest(joint)
-        return float(max(self.model.jnt_range[index], key=abs))
+        model, data = self.model, mujoco.MjData(self.model)
+        ids = [model.joint(name).id for name in joints]
+        rest = {name: self.rest(name) for name in joints}
+        ends = dict(rest)
+        for name, index in zip(joints, ids, strict=True):
+            if model.jnt_limited[index]:
+                ends[name] = float(max(model.jnt_range[index], key=abs))
+        slides = {name for name, i in zip(joints, ids, strict=True) if model.jnt_type[i] == mujoco.mjtJoint.mjJNT_SLIDE}
+        bodies, spread = self.below(hand), {}
+        for choice, values in (("rest", rest), ("end", ends)):
+            for name in joints:
+                data.joint(name).qpos[:] = values[name]
+            mujoco.mj_kinematics(model, data)
+            at = data.xpos[bodies]
+            spread[choice] = np.linalg.norm(at[:, None] - at[None], axis=-1).max(initial=0.0)
+        hinges = ends if spread["end"] > 1.05 * spread["rest"] else rest
+        return {name: ends[name] if name in slides else hinges[name] for name in joints}
 
 
 def _chains(tree: _Tree, names: set[str]) -> list[list[str]]:
@@ -228,13 +241,14 @@ def _arm(tree: _Tree, joints: list[str]) -> GuessedArm:
     reach = at - data.xpos[hand] if np.linalg.norm(at - data.xpos[hand]) > 0.02 else at - wrist_at
     approach = _axis(turn.T @ reach)
     finger_joints = [name for name, body in tree.joint_body.items() if body in finger_bodies]
+    opened = tree.opened(finger_joints, hand)
     slides = [n for n in finger_joints if model.jnt_type[model.joint(n).id] == mujoco.mjtJoint.mjJNT_SLIDE]
     opening, width = _axis(np.array([0.0, 1.0, 0.5]) * (1 - np.abs(approach))), WIDEST
     if slides:
         along = turn.T @ data.xaxis[model.joint(slides[0]).id]
         across = np.abs(along) * (1 - np.abs(approach))
         opening = _axis(across) if across.max() > 0.5 else opening
-        travel = sum(abs(tree.opened(name)) for name in slides[:2])
+        travel = sum(abs(opened[name]) for name in slides[:2])
         width = round(travel, 3) if 0.02 < travel < 0.3 else WIDEST
     anchors = data.xanchor[[model.joint(name).id for name in joints]]
     return GuessedArm(
@@ -248,7 +262,7 @@ def _arm(tree: _Tree, joints: list[str]) -> GuessedArm:
         approach=approach,
         opening=opening,
         max_width=width,
-        fingers={name: tree.opened(name) for name in finger_joints},
+        fingers=opened,
     )
 
 

@@ -156,6 +156,7 @@ def _replace_mesh_collisions(spec: mujoco.MjSpec) -> list[str]:
     import mujoco
 
     replaced = []
+    solid = {body.name for body in spec.bodies if body.geoms or body.joints}  # others are frames, such as a TCP
     for body in list(spec.bodies)[1:]:
         touching = [geom for geom in body.geoms if geom.contype or geom.conaffinity]
         if any(geom.type != mujoco.mjtGeom.mjGEOM_MESH for geom in touching):
@@ -165,7 +166,7 @@ def _replace_mesh_collisions(spec: mujoco.MjSpec) -> list[str]:
         made = False
         for child in body.bodies:
             length = float(np.linalg.norm(child.pos))
-            if length < SHORTEST_LINK:
+            if length < SHORTEST_LINK or child.name not in solid:
                 continue
             radius = min(max(length / 8, LINK_RADIUS[0]), LINK_RADIUS[1])
             inset = np.array(child.pos) * min(radius / length, 0.4)
