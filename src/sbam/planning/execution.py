@@ -18,7 +18,7 @@ from sbam.planning.grasps import Grasp
 from sbam.planning.motion import Motion, Phase
 from sbam.planning.task import Task
 from sbam.planning.trajectory import JointTrajectory
-from sbam.robots import Robot
+from sbam.robots import Robot, point_jacobian
 from sbam.robots.collision import CollisionModel
 
 Array = NDArray[np.float64]
@@ -196,16 +196,20 @@ def _check_torques(
         moved = next(moved for moved in task.moved if moved.role == role)
         aloft = np.linalg.norm(poses[role].translation - moved.start.translation, axis=1) > 1e-3
         loads.append((robot.arms[hand].tcp_frame, moved.model.mass * GRAVITY / len(moved.hands), aloft))
-    jacobian = np.zeros((3, model.nv))
+    frames = [frame for frame, _, _ in loads]
+    kinematics = robot.kinematics(trajectory.position[samples], frames)
+    lifting = [
+        point_jacobian(kinematics, kinematics.position[:, i], robot.frame_joints(frame))[:, 2]
+        for i, frame in enumerate(frames)
+    ]
     for row, sample in enumerate(samples):
         data.qpos[:], data.qvel[:] = trajectory.position[sample], trajectory.velocity[sample]
         data.qacc[:] = trajectory.acceleration[sample]
         mujoco.mj_inverse(model, data)
         torque = data.qfrc_inverse.copy()
-        for frame, weight, aloft in loads:
+        for (_, weight, aloft), jacobian in zip(loads, lifting, strict=True):
             if aloft[sample]:
-                mujoco.mj_jacSite(model, data, jacobian, None, model.site(frame).id)
-                torque += weight * jacobian[2]
+                torque += weight * jacobian[row]
         ratio[row] = np.abs(torque) / robot.torque_limit
     row, joint = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     worst = float(ratio[row, joint])
