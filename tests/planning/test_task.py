@@ -147,3 +147,10 @@ def test_what_ends_in_the_air_stays_there(pouring, tilt_deg):
     model = with_end(pouring, "pour_from", displaced(scene, "bottle", wanted))
     put_down = moved_object(bind(model, scene), "pour_from").put_down
     np.testing.assert_allclose(put_down.as_matrix(), wanted.as_matrix(), atol=1e-9)
+
+
+def test_one_hand_holds_one_object(model_of):
+    model = model_of("pouring")
+    right = tuple(replace(hold, hand="right") for hold in model.holds)
+    with pytest.raises(BindingError, match=r"right hand holds '.*' and '.*'; a hand can hold one"):
+        bind(replace(model, holds=right), starting_scene("built-in:pouring_new_layout"))

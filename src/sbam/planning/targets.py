@@ -38,9 +38,10 @@ def pair_target(task: Task, change: GeneralizedChange, times: Array, settings: P
 def support_slide(task: Task, change: GeneralizedChange, settings: PlanSettings) -> Array:
     """How far the reference point of a support slides in its plane, (3,) m, agent frame; zero for other pairs.
 
-    Things may be placed anywhere on a support: its ellipse is a tolerance, its centre is arbitrary. The reference point
-    is the one from which the pair starts within the spread of the demonstrations, as far as the ellipse reaches. Within
-    that spread nothing slides: from starts as different as this one people went to the same place.
+    Things may be placed anywhere on a support: its ellipse is a tolerance, its centre is arbitrary. If the reference
+    point slides all the way, the pair starts as in the mean demonstration and the object is moved relative to where it
+    was; if not at all, it is brought to the place where people brought it. The share between is what the demonstrations
+    tell (`start_share`), but all of it for the part of a start that lies beyond their spread.
     """
     first, second = change.pair.first, change.pair.second
     if task.model.mode == "paper" or not settings.slide_supports:
@@ -50,14 +51,43 @@ def support_slide(task: Task, change: GeneralizedChange, settings: PlanSettings)
     vector = task.region_at_start(first) - task.region_at_start(second)
     shift = constraint_type(change.constraint).vector(change.at(np.zeros(1))[0])[0] - vector
     shift[2] = 0.0
-    shift *= max(0.0, 1.0 - START_SPREADS * start_spread(change) / max(float(np.linalg.norm(shift)), 1e-9))
+    distance = max(float(np.linalg.norm(shift)), 1e-9)
+    seen = START_SPREADS * float(np.linalg.norm(vector_std(change, np.zeros(1))[0, :2]))
+    shift *= max(start_share(task, change), 1.0 - seen / distance)
     reach = 2.0 * task.scene.objects[task.binding[second.role]].region(second.affordance).half_axes.max()
     return shift * min(1.0, reach / max(float(np.linalg.norm(shift)), 1e-9))
 
 
-def start_spread(change: GeneralizedChange) -> float:
-    """Standard deviation in the plane of a pair's vector at the start over the demonstrations, m, to first order."""
+def start_share(task: Task, change: GeneralizedChange) -> float:
+    """How far an object's place on a support follows its start: 0 not at all, 1 all the way.
+
+    The slope of the regression of d(t) on d(0) over the demonstrations, (var d(t) + var d(0) - var(d(t) - d(0))) /
+    (2 var d(0)) in the plane, the last variance being that of the own-start pair; mean over the keypoints while the
+    object is held. 1 for models without own-start pairs, and for demonstrations that all start alike.
+    """
+    first = change.pair.first
+    own = next((c for c in task.model.changes if c.pair.is_own_start and c.pair.first == first), None)
+    at_start = float(np.square(vector_std(change, np.zeros(1))[0, :2]).sum())
+    moved = next((m for m in task.moved if m.role == first.role), None)
+    if own is None or moved is None or at_start < 1e-6:
+        return 1.0
+    times = task.model.keypoint_times
+    times = times[(times > moved.lift) & (times < moved.place)]
+    if not len(times):
+        return 1.0
+    later = np.square(vector_std(change, times)[:, :2]).sum(axis=1)
+    away = np.square(vector_std(own, times)[:, :2]).sum(axis=1)
+    return float(np.clip((later + at_start - away) / (2.0 * at_start), 0.0, 1.0).mean())
+
+
+def vector_std(change: GeneralizedChange, times: Array) -> Array:
+    """Standard deviations (K, 3) of a pair's vector, m, from those of its channels, to first order.
+
+    The channels' variances are explained by variances of x, y and z: ``var_c = sum_i (dc/di)^2 var_i``.
+    """
+    from scipy.optimize import nnls
+
     kind = constraint_type(change.constraint)
-    mean, std = change.at(np.zeros(1))
-    deviations = [kind.vector(mean + step)[0] - kind.vector(mean - step)[0] for step in np.diag(std[0])]
-    return 0.5 * float(np.linalg.norm(np.array(deviations)[:, :2]))
+    mean, std = change.at(times)
+    slopes = np.square(kind.jacobian(kind.vector(mean)))
+    return np.sqrt([nnls(slope, variance)[0] for slope, variance in zip(slopes, np.square(std), strict=True)])

@@ -11,6 +11,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.constraints import RegionReference
 from sbam.demonstrations.demonstration import Hand
+from sbam.errors import BindingError
 from sbam.learning.model import ActionModel
 from sbam.learning.roles import bind_roles
 from sbam.scene import ObjectModel, Scene
@@ -88,7 +89,7 @@ def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = Non
         roles: role -> object name, where the choice shall not be left to the affordances.
 
     Raises:
-        BindingError: if a role finds no object, or more than one that fit equally well.
+        BindingError: if a role finds no object, or more than one that fit equally well, or if one hand holds several.
     """
     binding = bind_roles(model.roles, scene.objects, chosen=roles)
     T_agent_world = scene.T_world_agent.inv()
@@ -119,6 +120,15 @@ def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = Non
                 human_grasps={hold.hand: hold.hand_position for hold in holds},
             )
         )
+    holder: dict[Hand, str] = {}
+    for item in moved:
+        for hand in item.hands:
+            if hand in holder:
+                raise BindingError(
+                    f"the {hand} hand holds {holder[hand]!r} and {item.role!r} in this action; a hand can hold one object "
+                    "per action: learn them as two actions"
+                )
+            holder[hand] = item.role
     return Task(model, scene, binding, poses, tuple(moved))
 
 
