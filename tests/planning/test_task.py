@@ -152,5 +152,5 @@ def test_what_ends_in_the_air_stays_there(pouring, tilt_deg):
 def test_one_hand_holds_one_object(model_of):
     model = model_of("pouring")
     right = tuple(replace(hold, hand="right") for hold in model.holds)
-    with pytest.raises(BindingError, match=r"right hand holds '.*' and '.*'; a hand can hold one"):
+    with pytest.raises(BindingError, match=r"right hand holds '.*' and '.*' in this action"):
         bind(replace(model, holds=right), starting_scene("built-in:pouring_new_layout"))

@@ -125,7 +125,7 @@ def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = Non
         for hand in item.hands:
             if hand in holder:
                 raise BindingError(
-                    f"the {hand} hand holds {holder[hand]!r} and {item.role!r} in this action; a hand can hold one object "
+                    f"the {hand} hand holds {holder[hand]!r} and {item.role!r} in this action, but may hold one object "
                     "per action: learn them as two actions"
                 )
             holder[hand] = item.role
