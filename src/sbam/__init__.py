@@ -37,6 +37,7 @@ if TYPE_CHECKING:  # what type checkers and editors see; at run time each room o
     from sbam.scene.object_library import ObjectLibrary
     from sbam.scene.scene import Scene
     from sbam.scene.scene_file import save_scene
+    from sbam.simulation.simulate import replay, simulate
     from sbam.viewer.recording import write_recording as view
 
 _HOME = {
@@ -65,6 +66,9 @@ _HOME = {
     "Plan": "sbam.planning.plan",
     "PlanSettings": "sbam.planning.settings",
     "JointTrajectory": "sbam.planning.trajectory",
+    # trying in physics
+    "simulate": "sbam.simulation.simulate",
+    "replay": "sbam.simulation.simulate",
     # handing on
     "write_plan": "sbam.export",
     "view": "sbam.viewer.recording:write_recording",
@@ -91,9 +95,11 @@ __all__ = [
     "load_robot",
     "load_scene",
     "plan",
+    "replay",
     "save_model",
     "save_scene",
     "scene_from_demonstration",
+    "simulate",
     "view",
     "write_demonstration",
     "write_plan",

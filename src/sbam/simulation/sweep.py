@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from sbam.demonstrations.synthetic import BUILT_IN_TASKS, BuiltInTask, built_in_demonstrations
+from sbam.demonstrations.demonstration import Demonstration
+from sbam.demonstrations.synthetic import BUILT_IN_TASKS, built_in_demonstrations
 from sbam.errors import RenderingError, SbamError, UnknownNameError
 from sbam.evaluation import random_pouring_scene, random_rolling_scene
 from sbam.evaluation.evaluate import write_tables
@@ -48,7 +49,7 @@ class Case:
         seed: of the random scene.
     """
 
-    task: BuiltInTask
+    task: str
     robot: str
     constraint: str
     mode: Mode
@@ -95,10 +96,9 @@ def sweep(
     for task in tasks:
         if task not in BUILT_IN_TASKS:
             raise UnknownNameError("task", task, BUILT_IN_TASKS, "sweeps")
-    wanted: list[BuiltInTask] = [task for task in BUILT_IN_TASKS if task in tasks]
     cases = [
         Case(task, robot, constraint, mode, seed)
-        for task in wanted
+        for task in tasks
         for robot in robots
         for constraint in constraints
         for mode in modes
@@ -117,7 +117,7 @@ def sweep(
     ordered = [rows[case] for case in cases]
     table = sweep_table(ordered)
     files = write_tables([table], folder)
-    files += [_write_map(ordered, task, folder / f"map_{task}.png") for task in wanted]
+    files += [_write_map(ordered, task, folder / f"map_{task}.png") for task in tasks]
     return {
         "ok": True,
         "problems": [],
@@ -237,9 +237,13 @@ def _outcome(row: Row) -> str:
     return "success" if row["ok"] else "failure in physics" if row["stage"] == "physics" else "no plan"
 
 
+def _demonstrations(task: str) -> tuple[Demonstration, ...]:
+    return built_in_demonstrations(BUILT_IN_TASKS[BUILT_IN_TASKS.index(task)])
+
+
 @cache
-def _model(task: BuiltInTask, constraint: str, mode: Mode) -> ActionModel:
-    return learn(built_in_demonstrations(task), constraint, mode)
+def _model(task: str, constraint: str, mode: Mode) -> ActionModel:
+    return learn(_demonstrations(task), constraint, mode)
 
 
 @cache
@@ -262,11 +266,11 @@ def _keep(folder: Path, case: Case, yardstick: Values) -> tuple[Case, Row]:
     return case, row
 
 
-def _yardstick(folder: Path, task: BuiltInTask) -> Values:
+def _yardstick(folder: Path, task: str) -> Values:
     path = folder / "trials" / f"yardstick_{task}.json"
     kept = _read(path)
     if kept is None:
-        kept = yardstick_of(built_in_demonstrations(task)[COMPARED[task]], TASKS[task])
+        kept = yardstick_of(_demonstrations(task)[COMPARED[task]], TASKS[task])
         write_atomically(path, json.dumps({"version": _version(), "content": kept}))
     return kept
 
