@@ -128,7 +128,7 @@ def similarity_table(results: Sequence[FoldResult]) -> Table:
         if mine:
             mean = float(np.mean(paper)) if paper else None
             rows.append((ALL_PAIRS, constraint, mean, None, None, *_statistics(mine)))
-    columns = ("pair", "type", "paper avg", "std", "min", "ours avg", "std", "min", "events avg", "std", "relevant")
+    columns = ("pair", "type", "paper avg", "std", "min", "ours avg", "std", "min", "events avg", "std", "rel.")
     return Table(f"similarity {results[0].condition}", _similarity_caption(results), (*columns, "dense"), tuple(rows))
 
 
@@ -242,7 +242,7 @@ def _similarity_caption(results: Sequence[FoldResult]) -> str:
     return (
         f"Distance between demonstrated and executed vectors of region pairs over all keypoints of all folds, mm; "
         f"{results[0].condition}. 'paper': its own numbers, on {PAPER_DATA}. 'ours': {_data(results)}, the person "
-        "looked at in the same second; 'events': with time aligned by events; 'relevant': that, weighted by how much "
+        "looked at in the same second; 'events': with time aligned by events; 'rel.': that, weighted by how much "
         "the demonstrations agree; 'dense': the whole motion by events."
     )
 
