@@ -223,6 +223,31 @@ def robot_list(robots: Sequence[Report]) -> Table:
     )
 
 
+def robot_check(report: Report) -> Iterator[RenderableType]:
+    """What `sbam.robots.check.check_robot` says."""
+    joints = ("arm", "name", "kind", "lower", "upper", "home", "velocity", "acceleration", "torque")
+    rows = ([joint[key] for key in joints] for joint in report["joints"])
+    yield table(f"{report['name']}: planned joints (rad, s, Nm; slides m, N)", joints, rows)
+    fields = ("tcp", "shoulder", "elbow", "wrist", "grip", "max_width", "length", "sampled_reach")
+    places = ("shoulder_at_home", "tcp_at_home", "approach_at_home")
+    arms = report["arms"]
+    rows = [[field, *(arm[field] for arm in arms.values())] for field in fields]
+    rows += [[field, *(" ".join(f"{value:.2f}" for value in arm[field]) for arm in arms.values())] for field in places]
+    rows.append(["over the table", *(f"{100 * arm['postures_over_table']:.1f} % of postures" for arm in arms.values())])
+    yield table("Arms (m; agent frame: x right, y forward, z up from the table top)", ("", *arms), rows)
+    if report["locked_joints"]:
+        held = ", ".join(f"{name} {value:.3g}" for name, value in report["locked_joints"].items())
+        yield f"held still: {held}"
+    yield from (f"look at: {warning}" for warning in report["warnings"])
+    yield from (f"WRONG: {problem}" for problem in report["problems"])
+    if report.get("picture"):
+        yield f"drew {report['picture']}"
+    elif report.get("no_picture"):
+        yield f"no picture: {report['no_picture']}"
+    if not report["problems"]:
+        yield "nothing is wrong with it"
+
+
 def _with_unit(value: float, unit: str) -> str:
     return {"m": f"{1000 * value:.1f} mm", "rad": f"{value:.3f} rad", "log": f"{value:.2f} log"}.get(
         unit, f"{value:.3g} {unit}"

@@ -22,6 +22,7 @@ MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf")
 MESH_SUFFIXES = (".stl", ".obj", ".msh")  # what MuJoCo reads
 NEAREST_NAMES = 8
 LINK_RADIUS = (0.02, 0.06)  # m: radius of a capsule that stands for a link, an eighth of its length within this
+COLOR = (0.72, 0.74, 0.77, 1.0)
 SHORTEST_LINK = 0.03  # m: links shorter than this get no capsule
 
 
@@ -171,7 +172,11 @@ def _replace_mesh_collisions(spec: mujoco.MjSpec) -> list[str]:
             radius = min(max(length / 8, LINK_RADIUS[0]), LINK_RADIUS[1])
             inset = np.array(child.pos) * min(radius / length, 0.4)
             body.add_geom(
-                type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=[*inset, *(child.pos - inset)], size=[radius, 0, 0], mass=0.0
+                type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+                fromto=[*inset, *(child.pos - inset)],
+                size=[radius, 0, 0],
+                mass=0.0,
+                rgba=COLOR,
             )
             made = True
         if made:
