@@ -294,6 +294,11 @@ def test_missing_frames_and_second_arms(urdf):
         load_robot(path)
 
 
+def test_a_model_file_alone_is_no_robot(urdf):
+    with pytest.raises(FileFormatError, match=r"sbam robots new .*robot\.urdf -o robot\.yaml"):
+        load_robot(urdf(DOUBLE))
+
+
 def test_models_that_hold_no_arm(urdf):
     with pytest.raises(FileFormatError, match=r"no chain of 4 joints.*joints: none"):
         guess_arms(urdf('<robot name="r"><link name="a"/></robot>'))

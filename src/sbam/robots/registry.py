@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sbam.errors import UnknownNameError
+from sbam.errors import FileFormatError, UnknownNameError
 from sbam.robots.description import read_description
+from sbam.robots.model_files import MODEL_SUFFIXES
 from sbam.robots.robot import Robot
 
 MODELS = Path(__file__).parent / "models"
@@ -28,6 +29,9 @@ def load_robot(name_or_path: str | Path, *, base_distance: float | None = None) 
     path = ROBOTS.get(str(name_or_path))
     if path is None:
         path = Path(name_or_path)
+        if path.suffix in MODEL_SUFFIXES:
+            hint = f"a description; make one with: sbam robots new {path} -o {path.with_suffix('.yaml').name}"
+            raise FileFormatError(path, "", "a model file says nothing of arms and hands", hint)
         if path.suffix not in (".yaml", ".yml"):
             raise UnknownNameError("robot", str(name_or_path), ROBOTS, "the built-in robots; or give a .yaml file")
     description = read_description(path)
