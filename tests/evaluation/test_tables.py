@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ def result(test: str, events: tuple[float, ...], condition: str = "a", **values:
         synthetic=True,
         training=("other",),
         synthetic_training=True,
+        objects=("apple_juice", "cup_large"),
         keypoints=len(events),
         pairs=(pair,),
         values=values,
@@ -61,6 +63,11 @@ def test_statistics_are_over_all_keypoints_of_all_folds():
     assert numbers == pytest.approx((8.0, 2 * np.std([1, 3, 5, 7]), 2.0, 4.0, np.std([1, 3, 5, 7]), 4.0, 5.0))
     assert "synthetic" in table.caption
     assert "KIT" in table.caption
+
+
+def test_other_objects_are_not_compared_with_the_paper():
+    spoon = replace(result("x", (1.0,)), objects=("cup_large", "tablespoon"))
+    assert all(row[2] is None for row in similarity_table([spoon]).rows)
 
 
 def test_differences_are_paired_over_folds():

@@ -6,7 +6,21 @@ import pytest
 from sbam.errors import FileFormatError, UnknownNameError
 from sbam.scene import ObjectLibrary, ObjectModel
 
-BUILT_IN = ("apple_juice", "bottle", "cup_large", "cup_small", "kitchen_sideboard", "milk_small", "mug", "rolling_pin")
+BUILT_IN = (
+    "apple_juice",
+    "apple_juice_lid",
+    "bottle",
+    "cup_large",
+    "cup_small",
+    "kitchen_sideboard",
+    "milk_small",
+    "mug",
+    "rolling_pin",
+    "tablespoon",
+)
+
+RESTING = ("apple_juice", "cup_large", "cup_small", "kitchen_sideboard", "milk_small", "rolling_pin")
+"""Objects that rest on their lowest region in the real recordings; the spoon leans, the lid lies upside down."""
 
 BLOCK = """
 format_version: 1
@@ -59,7 +73,7 @@ def test_every_object_is_sound(library: ObjectLibrary, name: str) -> None:
         assert (region.half_axes > 0).all()
 
 
-@pytest.mark.parametrize("name", [name for name in BUILT_IN if name not in ("rolling_pin", "kitchen_sideboard")])
+@pytest.mark.parametrize("name", ["apple_juice", "bottle", "cup_large", "cup_small", "milk_small", "mug"])
 def test_a_vessel_stands_on_its_place_region_and_its_mouth_is_its_top(library: ObjectLibrary, name: str) -> None:
     model = library[name]
     bottom, top = extent_along_up(model)
@@ -143,7 +157,7 @@ def test_resting_heights_of_the_recordings_fit_the_table(library: ObjectLibrary,
         poses = {}
         for motion in ElementTree.parse(path).getroot().iter("Motion"):
             for sensor in motion.iter("Sensor"):
-                if sensor.get("type") == "ModelPose" and motion.get("name") in library:
+                if sensor.get("type") == "ModelPose" and motion.get("name") in RESTING:
                     first = next(sensor.iter("Measurement"))
                     position = np.array(first.findtext("RootPosition", "").split(), dtype=float) / 1000
                     angles = np.array(first.findtext("RootRotation", "").split(), dtype=float)

@@ -67,6 +67,7 @@ class FoldResult:
         synthetic: whether that demonstration is synthetic.
         training: names of the demonstrations that were learned from.
         synthetic_training: whether any of them is synthetic.
+        objects: names of the object models that took part.
         keypoints: their number.
         pairs: distances of all pairs; empty if there was no execution.
         values: other measures, name with unit -> value.
@@ -81,6 +82,7 @@ class FoldResult:
     synthetic: bool
     training: tuple[str, ...]
     synthetic_training: bool
+    objects: tuple[str, ...]
     keypoints: int
     pairs: tuple[PairDistances, ...]
     values: Mapping[str, float]
@@ -109,6 +111,7 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
     pairs: tuple[PairDistances, ...] = ()
     values: dict[str, float] = {}
     keypoints = 0
+    objects: tuple[str, ...] = ()
     begin = time.perf_counter()
     try:
         model = _learned(condition, fold, library)
@@ -120,6 +123,7 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
         else:
             motion = executed_plan(plan(model, scene, robot, condition.planning))
         problems = motion.problems
+        objects = tuple(sorted(motion.task.scene.objects[name].name for name in motion.task.binding.values()))
         begin = _lap(seconds, "plan", begin)
         anchors = model_anchors(model)
         training = [
@@ -139,6 +143,7 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
         synthetic=fold.test.synthetic,
         training=tuple(demonstration.name for demonstration in fold.training),
         synthetic_training=any(demonstration.synthetic for demonstration in fold.training),
+        objects=objects,
         keypoints=keypoints,
         pairs=pairs,
         values=values,

@@ -97,6 +97,10 @@ PAPER_TABLES: dict[str, dict[tuple[str, str], dict[str, tuple[float, float, floa
 """Task -> pair -> constraint type -> average, standard deviation and minimum, mm (Tables II and III)."""
 
 
+PAPER_OBJECTS = {"apple_juice", "cup_large", "cup_small", "kitchen_sideboard", "milk_small", "rolling_pin"}
+"""Object models of the paper's demonstrations; its numbers say nothing of tasks with others."""
+
+
 def paper_row(pair: str) -> tuple[str, tuple[str, str]] | None:
     """Task and row of the paper's tables for one of our pairs (its text), in either order; None if it has none."""
     names = {f"{affordance} of {role}": place for (role, affordance), place in PLACES.items()}

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.evaluation.fold import FoldResult
-from sbam.evaluation.paper_numbers import PAPER_DATA, PAPER_TABLES, paper_row
+from sbam.evaluation.paper_numbers import PAPER_DATA, PAPER_OBJECTS, PAPER_TABLES, paper_row
 
 Array = NDArray[np.float64]
 Cell = str | float | None
@@ -110,8 +110,9 @@ def similarity_table(results: Sequence[FoldResult]) -> Table:
     rows: list[tuple[Cell, ...]] = []
     types = list(dict.fromkeys(result.constraint for result in results))
     executed = [result for result in results if result.executed]
+    of_paper = {name for result in executed for name in result.objects} <= PAPER_OBJECTS
     for pair in dict.fromkeys(pair.pair for result in executed for pair in result.pairs):
-        known = paper_row(pair)
+        known = paper_row(pair) if of_paper else None
         label = " - ".join(known[1]) if known else pair
         for constraint in types:
             mine = [p for r in executed if r.constraint == constraint for p in r.pairs if p.pair == pair]
@@ -123,7 +124,7 @@ def similarity_table(results: Sequence[FoldResult]) -> Table:
         paper = [
             PAPER_TABLES[known[0]][known[1]][constraint][0]
             for pair in dict.fromkeys(p.pair for p in mine)
-            if (known := paper_row(pair)) and constraint in PAPER_TABLES[known[0]][known[1]]
+            if of_paper and (known := paper_row(pair)) and constraint in PAPER_TABLES[known[0]][known[1]]
         ]
         if mine:
             mean = float(np.mean(paper)) if paper else None
