@@ -25,6 +25,7 @@ ACROSS, ALONG = 16, 10  # columns along the pin and along the strokes
 WIDTH = 0.26  # m along the pin
 LENGTH = (0.08, 0.15)  # m along the strokes, least and most
 YIELD = 2.0  # N that a column withstands
+STOPPING = 0.006  # s in which friction stops a column; a softer one lets columns glide on below the pin
 COLUMN_MASS = 0.002  # kg
 TIP = 0.012  # m: radius of a column's round top, so that the pin does not catch at edges
 AWAY = 0.08  # m from start and end: nearer, the pin is being picked up or put down
@@ -111,6 +112,7 @@ def add_dough(spec: mujoco.MjSpec, dough: Dough) -> None:
             limited=True,
             range=[THINNEST - THICKNESS, 0.0],
             frictionloss=YIELD,
+            solref_friction=[STOPPING, 1.0],
             damping=[5.0, 0.0, 0.0],
         )
         body.add_geom(

@@ -23,6 +23,7 @@ OFF_PLAN = 1.0  # mm: how far the thickness may be off what the pin's planned pa
 THICKER = 2.0  # mm: how much thicker than in the demonstrations it may be on average
 THINNED_ALONE = 0.8  # of its first thickness, where there is no demonstration to compare with
 STROKES = 0.8  # of the half-strokes of the demonstrations
+FINE = 0.002  # s between the poses whose lowest counts: a pin at 0.5 m/s moves 1 mm
 PRESSING = 1.0  # N: beyond it the pin counts as pressing
 
 
@@ -60,7 +61,7 @@ class Rolling(Task):
         """Final thickness and how far it is off the plan, force, strokes, closure of the two-handed grasp."""
         pin = action.object_with("handle left")
         dough = lay_dough(action, pin)
-        wanted = dough.pressed_by(action.poses(pin, np.arange(0.0, action.duration, 0.01)))
+        wanted = dough.pressed_by(action.poses(pin, np.arange(0.0, action.duration, FINE)))
         rolled = wanted < THICKNESS - 1e-4
         final = record.measured["thickness"][-1]
         force = record.measured["force"]
