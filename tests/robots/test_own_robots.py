@@ -354,6 +354,19 @@ def test_what_overlaps_at_home_is_said(urdf):
     assert any("'torso' overlap at home" in problem for problem in problems)
 
 
+def test_shapes_are_left_out_on_request(urdf):
+    path = described(urdf(DOUBLE))
+    urdf(DOUBLE.replace('size="0.2 0.1 0.4"', 'size="1.6 1.6 1.6"'))
+    content = yaml.safe_load(path.read_text())
+    content["without_collision"] = ["torso"]
+    path.write_text(yaml.safe_dump(content))
+    assert check_robot(load_robot(path))["problems"] == []
+    content["without_collision"] = ["bust"]
+    path.write_text(yaml.safe_dump(content))
+    with pytest.raises(UnknownNameError, match=r"'bust'.*without_collision\[0\].*'torso'"):
+        load_robot(path)
+
+
 def test_hands_on_the_wrong_sides_and_out_of_reach_are_said(urdf):
     path = described(urdf(DOUBLE))
     content = yaml.safe_load(path.read_text())

@@ -185,6 +185,11 @@ def _exclude(spec: mujoco.MjSpec, description: RobotDescription) -> None:
             if name not in names:
                 raise UnknownNameError("body", name, names, f"{description.path} at $.may_touch[{index}]")
         spec.add_exclude(bodyname1=pair[0], bodyname2=pair[1])
+    for index, name in enumerate(description.without_collision):
+        if name not in names:
+            raise UnknownNameError("body", name, names, f"{description.path} at $.without_collision[{index}]")
+        for geom in spec.body(name).geoms:
+            geom.contype = geom.conaffinity = 0
 
 
 def _check_joints(spec: mujoco.MjSpec, description: RobotDescription) -> None:

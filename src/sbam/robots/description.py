@@ -131,6 +131,7 @@ class RobotDescription(_Struct, frozen=True):
         torso_joints: planned joints that move both arms.
         locked_joints: other joints of the model and the position they are held at; unlisted ones are held at 0.
         may_touch: pairs of bodies that are not compared in collision checks because they touch in many postures.
+        without_collision: bodies whose shapes are left out of collision checks, such as boxes around a whole hand.
         human_likeness: whether the human-likeness term is on by default.
         note: origin of the numbers.
         path: file it was read from.
@@ -145,6 +146,7 @@ class RobotDescription(_Struct, frozen=True):
     torso_joints: tuple[str, ...] = ()
     locked_joints: dict[str, float] = {}
     may_touch: tuple[tuple[str, str], ...] = ()
+    without_collision: tuple[str, ...] = ()
     human_likeness: bool = False
     note: str = ""
     path: str = ""
