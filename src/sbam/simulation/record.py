@@ -45,7 +45,7 @@ class Record:
         tracking_error: joint -> largest distance from its command, rad or m; empty without a robot.
         torque_ratio: joint -> largest torque, share of its limit; empty without a robot.
         slip: (hand, object) -> largest distance of the TCP from its grasp, m.
-        seconds: wall time of the physics, s.
+        seconds: processor time of the physics, s.
         simulated: time that was simulated, s.
     """
 

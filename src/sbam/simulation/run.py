@@ -160,7 +160,7 @@ class World:
         measured: list[dict[str, Array]] = []
         error = np.zeros(len(action.arms.trajectory.joint_names) if action.arms else 0)
         torque, slip = error.copy(), {}
-        since = clock.perf_counter()
+        since = clock.process_time()
         for index, time in enumerate(times):
             for mocap, position, quaternion in guides:
                 data.mocap_pos[mocap], data.mocap_quat[mocap] = position[index], quaternion[index]
@@ -182,7 +182,7 @@ class World:
                 measured.append(self._task.observe(model, data, action))
                 if progress:
                     progress(float(time) - times[0], times[-1] - times[0])
-        seconds = clock.perf_counter() - since
+        seconds = clock.process_time() - since
         if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number or not np.isfinite(data.qpos).all():
             raise SimulationError(f"{action.name}: the physics became unstable")
         qpos = np.stack([frame[1] for frame in frames])

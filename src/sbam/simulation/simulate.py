@@ -52,7 +52,7 @@ class SimulationResult:
 
     @property
     def speed(self) -> float:
-        """Simulated time per wall time."""
+        """Simulated time per processor time."""
         return self.record.simulated / self.record.seconds
 
 
