@@ -40,8 +40,8 @@ def test_every_option_is_on_the_page_of_the_command_line(capsys) -> None:
     for line in lines:
         words = line.split()
         verb = tuple(words[1:3] if words[2:] and words[2].islower() and words[2].isalpha() else words[1:2])
-        options = set(re.findall(r"--[a-z-]+|(?<=\s|\[)-o", line)) - {"-o"}
-            described[verb] = described.get(verb, set()) | options
+        named = set(re.findall(r"--[a-z-]+|(?<=\s|\[)-o", line)) - {"-o"}
+        described[verb] = described.get(verb, set()) | named
     groups = ("recordings", "scenes", "robots")
     for verb, options in described.items():
         with pytest.raises(SystemExit) as ended:
