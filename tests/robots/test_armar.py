@@ -177,6 +177,14 @@ def test_continuous_joints_turn_endlessly(robot):
     )
 
 
+def test_full_turns_are_taken_back_near_a_reference(robot):
+    generator = np.random.default_rng(8)
+    near = generator.uniform(-1, 1, (50, len(robot.joint_names)))
+    reference = near + generator.uniform(-3, 3, near.shape)
+    turns = 2 * np.pi * generator.integers(-3, 4, near.shape) * robot.is_continuous
+    np.testing.assert_allclose(robot.turned_near(near + turns, reference), near, atol=1e-12)
+
+
 def test_torso_moves_both_arms(robot):
     names = np.array(robot.joint_names)
     assert tuple(names[robot.torso_indices]) == TORSOS[robot.name]

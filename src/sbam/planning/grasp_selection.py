@@ -132,7 +132,8 @@ def _at_hardest(
             np.tile(begin, (len(left), 1)),
             pull=(3e-2, 1e-3),
         )
-        q[left, tried] = solution.configurations.reshape(len(left), len(begin), -1)
+        near = robot.turned_near(solution.configurations, robot.home)  # no turn more than needed
+        q[left, tried] = near.reshape(len(left), len(begin), -1)
         reached[left, tried] = solution.reached().reshape(len(left), len(begin))
         nearest = min(nearest, float(solution.position_error.min()))
     return q, reached, nearest

@@ -177,6 +177,12 @@ class Robot:
         """Configurations (..., n) projected into the position limits."""
         return np.clip(configurations, self.lower, self.upper)
 
+    def turned_near(self, configurations: ArrayLike, reference: ArrayLike) -> Floats:
+        """The same postures (..., n) with every continuous joint within half a turn of a reference."""
+        q = np.asarray(configurations, dtype=np.float64)
+        turns = np.round((q - np.asarray(reference)) / (2 * np.pi))
+        return np.where(self.is_continuous, q - 2 * np.pi * turns, q)
+
     def checked(self, configurations: ArrayLike) -> Floats:
         """Configurations as a contiguous (B, n) array of finite numbers.
 
