@@ -50,3 +50,12 @@ def test_a_spill_says_when_and_where(pour, good) -> None:
     for spill in spills:
         assert 0.3 < spill["time [s]"] < 2.5
         assert spill["position in the agent frame [m]"][2] < 0.03  # came down on the table, whose top is at 0
+
+
+def test_a_bottle_that_bumps_the_cup_is_reported(pour, good) -> None:
+    assert not any("cup_large" in warning for warning in good.warnings)
+    result = simulate(pour(above=-0.005))
+    (contact,) = result.record.contacts
+    assert {contact.first, contact.second} == {"cup_large", "apple_juice"}
+    assert 0.0 < contact.time < 2.0
+    assert any("touches" in warning for warning in result.warnings)
