@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.scenes import scene_from_demonstration
-from sbam.errors import SbamError
+from sbam.errors import BindingError, DemonstrationError, TrajectoryError, UnreachableError
 from sbam.evaluation.executed_motion import executed_plan, flight
 from sbam.evaluation.metrics import PairDistances, measures, pair_distances
 from sbam.evaluation.person import model_anchors, person_motion
@@ -106,6 +106,9 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
 
     Returns:
         The result; a task that could not be learned or planned has no pairs, and problems that say why.
+
+    Raises:
+        SbamError: if something is wrong with what was given rather than with the task: unknown names, broken files.
     """
     seconds: dict[str, float] = {}
     pairs: tuple[PairDistances, ...] = ()
@@ -133,7 +136,7 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
         person = person_motion(fold.test, model, library, anchors)
         pairs, values = pair_distances(motion, person, training), measures(motion, person)
         _lap(seconds, "measure", begin)
-    except SbamError as error:
+    except (BindingError, DemonstrationError, TrajectoryError, UnreachableError) as error:
         problems = (f"{type(error).__name__}: {error}",)
     return FoldResult(
         condition=condition.name,
