@@ -78,7 +78,8 @@ def main() -> None:
         )
         row(f"  {count:5d} pairs ({pairs})", seconds(lambda s=settings: learn(pouring, settings=s)))
     for count in (3, 6, 12, 24):
-        demonstrations = (pouring * 2)[:count]
+        again = tuple(replace(demonstration, name=f"{demonstration.name} again") for demonstration in pouring)
+        demonstrations = (*pouring, *again)[:count]
         row(f"  {count:5d} demonstrations", seconds(lambda d=demonstrations: learn(d)))
 
     print("\nResidual and derivative at 30 keypoints of 10 pairs")
