@@ -139,7 +139,8 @@ def test_the_best_of_several_starts_is_kept(small_plan, problem_of):
     both = solve_whole_trajectory(problem, [bad, good])
     assert both.objective == min(solution.objective for solution in alone)
     assert both.starts == 2
-    assert both.iterations == sum(solution.iterations for solution in alone)
+    # Only the best is polished.
+    assert both.iterations < sum(solution.iterations for solution in alone)
     with pytest.raises(ValueError, match="at least one start"):
         solve_whole_trajectory(problem, [])
 
