@@ -43,6 +43,7 @@ def plan_report(plan: Plan) -> dict[str, Any]:
         "robot": {
             "name": plan.robot.name,
             "file": plan.robot.description.path,
+            "options": plan.robot.description.options,
             "T_world_base": pose_dict(plan.T_world_agent * plan.robot.T_world_base),
         },
         "scene": {"name": scene.name, "source": scene.source, "objects": tuple(scene.objects)},

@@ -135,6 +135,7 @@ class RobotDescription(_Struct, frozen=True):
         human_likeness: whether the human-likeness term is on by default.
         note: origin of the numbers.
         path: file it was read from.
+        options: options that were given behind its name (`sbam.robots.options`).
     """
 
     format_version: int
@@ -150,6 +151,7 @@ class RobotDescription(_Struct, frozen=True):
     human_likeness: bool = False
     note: str = ""
     path: str = ""
+    options: dict[str, float] = {}
 
     def with_base_distance(self, distance: float) -> RobotDescription:
         """The same robot with its two parts mounted ``distance`` m apart, symmetric about where they were."""
@@ -190,7 +192,7 @@ def read_description(path: str | Path) -> RobotDescription:
     if isinstance(content.get("format_version"), int) and content["format_version"] > FORMAT_VERSION:
         raise FileVersionError(path, content["format_version"], FORMAT_VERSION)
     description = convert(content, RobotDescription, path)
-    description = msgspec.structs.replace(description, path=str(path))
+    description = msgspec.structs.replace(description, path=str(path), options={})
     check_description(description)
     return description
 

@@ -11,6 +11,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import FileFormatError, SimulationError
 from sbam.export import read_trajectory_npz
+from sbam.robots.options import options_text
 from sbam.robots.registry import ROBOTS, load_robot
 from sbam.scene import ObjectLibrary, load_scene
 from sbam.simulation.action import Action, Arms, Grip
@@ -40,6 +41,7 @@ class _Robot(msgspec.Struct):
     name: str
     T_world_base: _Pose
     file: str = ""
+    options: dict[str, float] = {}
 
 
 class _Model(msgspec.Struct):
@@ -78,7 +80,9 @@ def read_plan_folder(folder: str | Path, library: ObjectLibrary | None = None) -
     saved = read_trajectory_npz(folder / TRAJECTORY)
     scene = load_scene(folder / SCENE, library)
     known = report.robot.name in ROBOTS or not report.robot.file
-    robot = load_robot(report.robot.name if known else report.robot.file).placed(report.robot.T_world_base.transform())
+    source = report.robot.name if known else report.robot.file
+    options = options_text(report.robot.options)
+    robot = load_robot(f"{source}:{options}" if options else source).placed(report.robot.T_world_base.transform())
     if robot.joint_names != saved.trajectory.joint_names:
         found, wanted = ", ".join(saved.trajectory.joint_names), ", ".join(robot.joint_names)
         raise FileFormatError(folder / TRAJECTORY, "joint_names", f"are {found}", wanted)
