@@ -52,6 +52,12 @@ def test_unlocked_spec_keeps_the_fingers():
     assert {model.joint(i).name for i in range(model.njnt)} > set(robot.joint_names)
 
 
+def test_what_is_free_moves_beside_the_planned_joints_and_nothing_else():
+    robot = load_robot("armar6")
+    model = robot.spec(free=["Neck_1_Yaw"]).compile()
+    assert {model.joint(i).name for i in range(model.njnt)} == {*robot.joint_names, "Neck_1_Yaw"}
+
+
 def test_locking_one_of_several_joints_of_a_body_is_refused(write_torso_robot):
     joints = '<joint name="left_finger" axis="1 0 0" pos="0.01 0 0" range="0 60" ref="10"/>'
     path = write_torso_robot({joints: joints + '<joint name="left_twist" axis="0 0 1" range="0 60"/>'}, in_model=True)

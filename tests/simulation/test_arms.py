@@ -10,9 +10,10 @@ import sbam
 from sbam.cli import main
 from sbam.errors import RenderingError
 from sbam.results import write_results
+from sbam.simulation.action import Action, Arms
 from sbam.simulation.plan_folder import read_plan_folder
 from sbam.simulation.run import World
-from sbam.simulation.tasks import TASKS
+from sbam.simulation.tasks import TASKS, Task
 
 COMPARED = "built-in:synthetic_rolling_0"
 
@@ -89,6 +90,28 @@ def test_servos_do_not_sag_under_gravity(folder: Path) -> None:
     torque = world.control.torque(data)
     mujoco.mj_forward(world.model, data)
     assert torque == pytest.approx(data.qfrc_bias[world.control._dof[world.control.planned]], rel=0.05, abs=0.3)
+
+
+def test_joints_that_are_not_planned_are_braked() -> None:
+    """A humanoid's torso carries more than a finger's force; it must not sag."""
+    import mujoco
+
+    robot = sbam.load_robot("armar6")
+    still = np.tile(robot.home, (2, 1))
+    trajectory = sbam.JointTrajectory(robot.joint_names, np.array([0.0, 0.3]), still, 0.0 * still, 0.0 * still)
+    scene = sbam.load_scene("built-in:rolling")
+    world = World(Action("rest", scene, {}, trajectory.time, {}, Arms(robot, trajectory, ())), Task())
+    assert {world.model.actuator(i).name for i in range(world.model.nu)} == set(robot.joint_names)
+    data, reference = mujoco.MjData(world.model), mujoco.MjData(robot.model)
+    assert world.control is not None
+    world.control.reset(data)
+    data.ctrl[:] = world.control.commands(np.zeros(1))[0]
+    for _ in range(100):
+        mujoco.mj_step(world.model, data)
+    reference.qpos[:] = robot.home
+    mujoco.mj_kinematics(robot.model, reference)
+    assert data.body("torso").xpos == pytest.approx(reference.body("torso").xpos)
+    assert data.body("left_hand").xpos == pytest.approx(reference.body("left_hand").xpos, abs=1e-3)
 
 
 @pytest.mark.parametrize("arguments", [[], ["a", "--sweep", "b"], ["--sweep", "b", "--scenes", "0"]])

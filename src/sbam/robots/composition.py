@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,7 +29,12 @@ UNNAMED = "unnamed/"
 
 
 def compose(
-    description: RobotDescription, T_world_base: RigidTransform, *, lock: bool = True, meshes: bool = False
+    description: RobotDescription,
+    T_world_base: RigidTransform,
+    *,
+    lock: bool = True,
+    meshes: bool = False,
+    free: Collection[str] = (),
 ) -> mujoco.MjSpec:
     """Mount all parts of a robot on one base body.
 
@@ -41,6 +46,7 @@ def compose(
             fingers). Actuators, sensors, tendons, keyframes, planes and free joints of the files are dropped in either
             case.
         meshes: keep meshes that are only drawn, where their files are found.
+        free: joints that are not planned and shall move nevertheless, such as fingers, with what couples them.
 
     Raises:
         FileFormatError: if a model file cannot be used.
@@ -74,7 +80,7 @@ def compose(
             planned.range, planned.limited = [joint.lower, joint.upper], mujoco.mjtLimited.mjLIMITED_TRUE
     _exclude(spec, description)
     if lock:
-        _lock(spec, description)
+        _lock(spec, description, free)
     return spec
 
 
@@ -224,14 +230,16 @@ def _strip_prefix(spec: mujoco.MjSpec) -> None:
                     setattr(element, field, name.removeprefix(UNNAMED))
 
 
-def _lock(spec: mujoco.MjSpec, description: RobotDescription) -> None:
-    """Turn unplanned joints into fixed offsets of their bodies."""
+def _lock(spec: mujoco.MjSpec, description: RobotDescription, free: Collection[str]) -> None:
+    """Turn unplanned joints into fixed offsets of their bodies, but for those that are free."""
     import mujoco
 
     for equality in list(spec.equalities):
-        spec.delete(equality)
+        if equality.type != mujoco.mjtEq.mjEQ_JOINT or not {equality.name1, equality.name2} - {""} <= set(free):
+            spec.delete(equality)
     model = compile_spec(spec, description.path)
-    for joint in [joint for joint in spec.joints if joint.name not in description.joints]:
+    moving = set(description.joints) | set(free)
+    for joint in [joint for joint in spec.joints if joint.name not in moving]:
         body = joint.parent
         compiled = model.joint(joint.name)
         offset = description.locked_joints.get(joint.name, 0.0) - float(model.qpos0[compiled.qposadr[0]])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -282,9 +282,9 @@ class Robot:
         result.home, result._spare_data = posture, []
         return result
 
-    def spec(self, *, lock: bool = True, meshes: bool = False) -> mujoco.MjSpec:
+    def spec(self, *, lock: bool = True, meshes: bool = False, free: Collection[str] = ()) -> mujoco.MjSpec:
         """A fresh editable MuJoCo model of the robot where it stands, to compose scenes with (see `compose`)."""
-        return compose(self.description, self.T_world_base, lock=lock, meshes=meshes)
+        return compose(self.description, self.T_world_base, lock=lock, meshes=meshes, free=free)
 
     def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, "_spare_data": []}

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sbam.robots.collision_pairs import hand_bodies
+from sbam.robots.description import ArmName
 from sbam.robots.robot import Robot
 from sbam.simulation.action import Arms
 
@@ -18,6 +20,14 @@ Array = NDArray[np.float64]
 
 BANDWIDTH = 60.0  # rad/s: of a joint's critically damped position control
 FINGER_FORCE = 40.0  # N
+
+
+def finger_joints(robot: Robot, hand: ArmName) -> tuple[str, ...]:
+    """Joints of a hand that are not planned: those of the bodies that the hand carries."""
+    carried = set(hand_bodies(robot, hand)[1:])
+    spec = robot.spec(lock=False)
+    found = [joint.name for body in spec.bodies if body.name in carried for joint in body.joints]
+    return tuple(name for name in found if name not in robot.joint_names)
 
 
 def add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
@@ -55,10 +65,10 @@ class MotorControl:
         self._dof = np.array([int(joint.dofadr[0]) for joint in joints])
         self.planned = np.array([names.index(name) for name in arms.trajectory.joint_names])
         rest = model.qpos0[self._address].copy()
-        for name, position in arms.robot.description.locked_joints.items():
-            rest[names.index(name)] = position
+        self._fingers = {hand: [names.index(j) for j in finger_joints(arms.robot, hand)] for hand in arms.robot.arms}
+        for motor in itertools.chain(*self._fingers.values()):
+            rest[motor] = arms.robot.description.locked_joints.get(names[motor], rest[motor])
         self._rest = rest
-        self._fingers = {hand: self._finger_motors(names, hand) for hand in arms.robot.arms}
         data = mujoco.MjData(model)
         self.reset(data)
         mujoco.mj_forward(model, data)
@@ -101,13 +111,3 @@ class MotorControl:
     def torque(self, data: mujoco.MjData) -> Array:
         """Torques of the planned joints, gravity compensation included, Nm or N."""
         return data.qfrc_actuator[self._dof[self.planned]]
-
-    def _finger_motors(self, names: list[str], hand: str) -> list[int]:
-        side = "left" if hand == "left" else "right"
-        bodies = set(hand_bodies(self._arms.robot, side))
-        planned = set(self.planned.tolist())
-        return [
-            motor
-            for motor, name in enumerate(names)
-            if motor not in planned and self._model.body(int(self._model.joint(name).bodyid[0])).name in bodies
-        ]

@@ -12,9 +12,10 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import SimulationError
 from sbam.robots.composition import OBJECT_PREFIX, pose_arrays
+from sbam.robots.robot import Robot
 from sbam.scene import support_height
 from sbam.simulation.action import Action
-from sbam.simulation.arms import MotorControl, add_motors
+from sbam.simulation.arms import MotorControl, add_motors, finger_joints
 from sbam.simulation.contacts import ContactWatch
 from sbam.simulation.materials import SUPPORT, physics_options
 from sbam.simulation.record import Record
@@ -53,7 +54,7 @@ class World:
 
         self.action, self._task = action, task
         arms = action.arms
-        spec = arms.robot.spec(lock=False) if arms else mujoco.MjSpec()
+        spec = arms.robot.spec(free=_fingers(arms.robot)) if arms else mujoco.MjSpec()
         physics_options(spec)
         if arms:
             set_robot_contacts(spec, arms.robot)
@@ -225,3 +226,8 @@ class World:
             holds = (times >= grip.start) & (times <= grip.end)
             result.append((int(equality.id), holds, (grip.hand, grip.object), sites))
         return result
+
+
+def _fingers(robot: Robot) -> list[str]:
+    """Joints that move beside the planned ones; all others, such as torso and neck, are braked."""
+    return [joint for hand in robot.arms for joint in finger_joints(robot, hand)]
