@@ -118,7 +118,6 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
     begin = time.perf_counter()
     try:
         model = _learned(condition, fold, library)
-        keypoints = len(model.keypoint_times)
         begin = _lap(seconds, "learn", begin)
         scene = scene_from_demonstration(fold.test, library)
         if robot is None:
@@ -128,10 +127,12 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
         problems = motion.problems
         objects = tuple(sorted(motion.task.scene.objects[name].name for name in motion.task.binding.values()))
         begin = _lap(seconds, "plan", begin)
-        anchors = model_anchors(model)
+        model = motion.task.model  # of the demonstrations that fit the scene
+        keypoints = len(model.keypoint_times)
+        anchors, training = model_anchors(model), {demonstration.name: demonstration for demonstration in fold.training}
         training = [
-            person_motion(demonstration, model, library, anchors, sketch.events)
-            for demonstration, sketch in zip(fold.training, model.demonstrations, strict=True)
+            person_motion(training[sketch.name], model, library, anchors, sketch.events)
+            for sketch in model.demonstrations
         ]
         person = person_motion(fold.test, model, library, anchors)
         pairs, values = pair_distances(motion, person, training), measures(motion, person)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,6 +31,7 @@ from sbam.learning.settings import LearningSettings
 from sbam.learning.sketch import ChannelCandidates, DemonstrationSketch, PairCandidates, sketch_demonstration
 from sbam.learning.stroke_cutting import equalize_sketches
 from sbam.learning.time_alignment import warp
+from sbam.learning.variants import nearest_layout, order_groups
 from sbam.scene.object_library import ObjectLibrary
 
 Array = NDArray[np.float64]
@@ -100,6 +101,32 @@ def add_demonstration(model: ActionModel, demonstration: Demonstration, library:
     if _keeps_candidates(model.settings):
         return _build(model.name, model.constraint, model.settings, (*model.demonstrations, sketch))
     return _extended(model, sketch, model.name, model.constraint, model.settings)
+
+
+def variant_for(model: ActionModel, starts: Mapping[str, Array]) -> ActionModel:
+    """What the demonstrations show that take their objects in the order that fits a scene (`sbam.learning.variants`).
+
+    Args:
+        model: learned from all demonstrations.
+        starts: role -> (3,) where its object stands in the scene, agent frame, m.
+
+    Returns:
+        The model itself if its demonstrations agree on the order or its settings do not ask for it.
+    """
+    sketches = model.demonstrations
+    if not model.settings.variants or not all(sketch.candidates for sketch in sketches):
+        return model
+    groups = order_groups(sketches)
+    nearest = nearest_layout(sketches, starts) if groups.any() else None
+    if nearest is None:
+        return model
+    chosen = tuple(sketch for sketch, group in zip(sketches, groups, strict=True) if group == groups[nearest])
+    variant = _build(model.name, model.constraint, model.settings, chosen)
+    note = (
+        f"{len(chosen)} of {len(sketches)} demonstrations take their objects in the order that fits this scene "
+        f"(nearest: {sketches[nearest].name}); the others are left out"
+    )
+    return replace(variant, notes=(*variant.notes, note))
 
 
 def _keeps_candidates(settings: LearningSettings) -> bool:
@@ -178,13 +205,12 @@ def _build(
         used, notes = equalize_sketches(sketches, settings)
     axis = _time_axis(used, settings)
     pairs = _watched_pairs(used, settings)
+    watched = [[candidate for candidate in sketch.candidates if candidate.pair in pairs] for sketch in used]
+    if settings.mean_length:
+        watched = [list(row) for row in zip(*map(of_mean_length, zip(*watched, strict=True)), strict=True)]
     changes: tuple[GeneralizedChange, ...] = ()
-    for index, sketch in enumerate(used):
-        candidates = [
-            _aligned(candidate, axis.anchors.times[index], axis.model)
-            for candidate in sketch.candidates
-            if candidate.pair in pairs
-        ]
+    for index, found in enumerate(watched):
+        candidates = [_aligned(candidate, axis.anchors.times[index], axis.model) for candidate in found]
         changes = _generalized(changes, candidates, index + 1, settings, axis.model)
     model = _assembled(name, constraint, settings, used, changes, axis)
     return replace(model, demonstrations=sketches, notes=notes + model.notes)
@@ -222,6 +248,22 @@ def _aligned(candidates: PairCandidates, own: Array, model: Array) -> PairCandid
         value = np.interp(time, channel.time, channel.value)
         channels.append(ChannelCandidates(warp(time, own, model), value))
     return PairCandidates(candidates.pair, candidates.constraint, tuple(channels))
+
+
+def of_mean_length(candidates: Sequence[PairCandidates]) -> Sequence[PairCandidates]:
+    """One pair of D demonstrations; within one object, brought to the mean length of the objects shown.
+
+    Such a pair carries an orientation. That cartons differ in size must not count as a spread of it.
+    """
+    if not candidates[0].pair.is_same_object or candidates[0].constraint != "cartesian":
+        return candidates
+    lengths = np.linalg.norm([[channel.value[0] for channel in found.channels] for found in candidates], axis=1)
+    if lengths.min() <= 0.0:
+        return candidates
+    return [
+        replace(found, channels=tuple(replace(channel, value=channel.value * scale) for channel in found.channels))
+        for found, scale in zip(candidates, lengths.mean() / lengths, strict=True)
+    ]
 
 
 def _generalized(

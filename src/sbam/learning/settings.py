@@ -20,10 +20,14 @@ class LearningSettings:
             start and end, ``seconds`` leaves times as they are.
         equalize_strokes: with ``events``, cut whole cycles from demonstrations with more strokes than the median and
             leave out those with fewer.
+        variants: with ``events``, plan a scene from those demonstrations alone that take and put back their objects in
+            the order of the one whose layout is nearest (`sbam.learning.variants`).
         pairs: ``functional`` pairs by affordance names, or ``all`` unordered pairs of regions.
         own_start_pairs: also pair each region of a moved object with its own place at the start.
         upright_as_cartesian: models of every type see same-object pairs along the upright axis as Cartesian, because
             their azimuth is undefined while the object stands.
+        mean_length: with ``events``, pairs within one object are brought to the mean length of the objects shown,
+            so that objects of several sizes do not blur the orientation.
         update_rule: of the standard deviation: exact (``welford``), or the ``paper``'s, which over-estimates.
         segmentation_rate: the data are thinned to this rate before segmentation, Hz; None keeps all of them.
         segmentation_epsilon: a segment is good if its area is below epsilon * amplitude * duration.
@@ -40,6 +44,8 @@ class LearningSettings:
     mode: Mode = "default"
     time_alignment: Literal["events", "phase", "seconds"] = "events"
     equalize_strokes: bool = True
+    variants: bool = True
+    mean_length: bool = True
     pairs: Literal["functional", "all"] = "functional"
     own_start_pairs: bool = True
     upright_as_cartesian: bool = True
@@ -71,6 +77,8 @@ class LearningSettings:
             mode="paper",
             time_alignment="seconds",
             equalize_strokes=False,
+            variants=False,
+            mean_length=False,
             pairs="all",
             own_start_pairs=False,
             upright_as_cartesian=False,

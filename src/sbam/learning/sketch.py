@@ -32,12 +32,14 @@ class SketchedRole:
         object: name of the object model.
         affordances: those of its affordances that appear in the watched pairs.
         moves: whether it was moved.
+        start: (3,) where its origin was at the start, agent frame, m; None in models of earlier versions.
     """
 
     role: str
     object: str
     affordances: tuple[str, ...]
     moves: bool
+    start: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -137,13 +139,21 @@ def sketch_demonstration(
     pairs = candidate_pairs(role_models, settings)
     regions = {region for pair in pairs for region in (pair.first, pair.second) if region is not None}
     moving = {event.object for event in events}
+    T_agent_world = demonstration.T_world_agent.inv()
+    start = {
+        role: (T_agent_world * demonstration.T_world_object[name][0]).translation for role, name in objects.items()
+    }
     return DemonstrationSketch(
         name=demonstration.name,
         duration=demonstration.duration,
         synthetic=demonstration.synthetic,
         roles=tuple(
             SketchedRole(
-                role, model.name, tuple(sorted(r.affordance for r in regions if r.role == role)), role in moving
+                role,
+                model.name,
+                tuple(sorted(r.affordance for r in regions if r.role == role)),
+                role in moving,
+                start[role],
             )
             for role, model in role_models.items()
         ),

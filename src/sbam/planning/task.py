@@ -12,6 +12,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from sbam.constraints import RegionReference
 from sbam.demonstrations.demonstration import Hand
 from sbam.errors import BindingError
+from sbam.learning.learn import variant_for
 from sbam.learning.model import ActionModel
 from sbam.learning.roles import bind_roles
 from sbam.scene import ObjectModel, Scene
@@ -94,6 +95,7 @@ def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = Non
     binding = bind_roles(model.roles, scene.objects, chosen=roles)
     T_agent_world = scene.T_world_agent.inv()
     poses = {name: T_agent_world * pose for name, pose in scene.T_world_object.items()}
+    model = variant_for(model, {role: poses[name].translation for role, name in binding.items()})
     task = Task(model, scene, binding, poses, ())
     moved = []
     for role in model.roles:

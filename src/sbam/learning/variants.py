@@ -1,0 +1,68 @@
+"""Variants of an action: demonstrations that take or put back their objects in different orders.
+
+With the bottle beyond the cup people fetch it first, else they start with the cup. No monotone map brings both to one
+time, and the mean of both is neither. A scene is therefore planned from the demonstrations of one order: that of the
+demonstration whose layout is nearest to the scene's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.learning.sketch import DemonstrationSketch
+
+Array = NDArray[np.float64]
+
+CLEAR = 0.5
+"""Two events are swapped if no demonstration lies in this gap between one order and the other, s."""
+LEAST_MEMBERS = 2
+"""An order that fewer demonstrations show is an exception, not a variant."""
+
+
+def order_groups(sketches: Sequence[DemonstrationSketch]) -> NDArray[np.int_]:
+    """Group (D,) of each demonstration, 0...; all 0 if lifts and places follow each other in the same order.
+
+    Args:
+        sketches: D demonstrations. Only objects that are lifted and placed in each of them count.
+    """
+    roles = sorted({event.object for sketch in sketches for event in sketch.events})
+    splits = []
+    for kind in ("lift", "place"):
+        for first, second in combinations(roles, 2):
+            times = [(sketch.event_time(kind, first), sketch.event_time(kind, second)) for sketch in sketches]
+            lags = np.array([np.nan if a is None or b is None else b - a for a, b in times])
+            before = lags < 0.0
+            if not np.isfinite(lags).all() or min(before.sum(), (~before).sum()) < LEAST_MEMBERS:
+                continue
+            if lags[~before].min() - lags[before].max() > CLEAR:
+                splits.append(before)
+    if not splits:
+        return np.zeros(len(sketches), dtype=int)
+    groups = np.unique(np.array(splits), axis=1, return_inverse=True)[1].reshape(-1)
+    return groups if np.bincount(groups).min() >= LEAST_MEMBERS else np.zeros(len(sketches), dtype=int)
+
+
+def nearest_layout(sketches: Sequence[DemonstrationSketch], starts: Mapping[str, Array]) -> int | None:
+    """The demonstration in which the moved objects stood most as in a scene, relative to each other.
+
+    Args:
+        sketches: D demonstrations.
+        starts: role -> (3,) where its object stands in the scene, agent frame, m.
+
+    Returns:
+        Its index; None if fewer than two objects can be compared.
+    """
+    known = [
+        {role.role: role.start for role in sketch.roles if role.moves and role.start is not None} for sketch in sketches
+    ]
+    roles = sorted(role for role in starts if all(role in layout for layout in known))
+    if len(roles) < 2:
+        return None
+    between = list(combinations(roles, 2))
+    scene = np.concatenate([starts[second] - starts[first] for first, second in between])
+    layouts = [np.concatenate([layout[second] - layout[first] for first, second in between]) for layout in known]
+    return int(np.linalg.norm(np.array(layouts) - scene, axis=1).argmin())
