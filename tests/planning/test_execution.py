@@ -12,6 +12,7 @@ from sbam.planning.inverse_kinematics import solve_poses
 from sbam.planning.motion import make_motion
 from sbam.planning.plan import Plan
 from sbam.planning.timing import time_path
+from sbam.planning.touching import collision_model
 from sbam.scene import ObjectLibrary
 
 RATE = 200.0
@@ -24,7 +25,8 @@ def rehearsal(problem_of):
     def make(plan: Plan):
         poses = problem_of(plan).state(plan.solution.configurations).object_poses()
         times = plan.task.model.keypoint_times
-        motion = make_motion(plan.task, plan.robot, plan.grasps, times, plan.solution.configurations, poses)
+        shapes = collision_model(plan.task, plan.robot)
+        motion = make_motion(plan.task, plan.robot, shapes, plan.grasps, times, plan.solution.configurations, poses)
         return motion, *time_path(plan.robot, motion.clock, motion.configurations, plan.settings.speed, RATE)
 
     return make
@@ -44,7 +46,8 @@ def failing(plan: Plan, rehearsed, **changes) -> set[str]:
     """Names of the checks that fail when something is changed."""
     motion, trajectory, clock = rehearsed
     arguments = {"task": plan.task, "grasps": plan.grasps, "trajectory": trajectory, "clearance": 0.0, **changes}
-    execution = execute(robot=plan.robot, motion=motion, clock=clock, **arguments)
+    shapes = collision_model(arguments["task"], plan.robot)
+    execution = execute(robot=plan.robot, collision=shapes, motion=motion, clock=clock, **arguments)
     return {check.name for check in execution.checks if not check.ok}
 
 
@@ -216,7 +219,9 @@ def test_torques_at_rest_are_those_of_pinocchio(small_plan, pouring):
         acceleration=np.zeros((count, 14)),
     )
     light = tuple(replace(m, model=replace(m.model, mass=0.0)) for m in small_plan.task.moved)
-    execution = execute(replace(small_plan.task, moved=light), robot, small_plan.grasps, motion, still, clock, 0.0)
+    task = replace(small_plan.task, moved=light)
+    shapes = collision_model(task, robot)
+    execution = execute(task, robot, shapes, small_plan.grasps, motion, still, clock, 0.0)
     found = next(check for check in execution.checks if check.name == "torque limits")
     model = pin.buildModelFromMJCF(str(ROBOTS["panda_dual"].parent / "panda_arm.xml"))
     data = model.createData()

@@ -6,7 +6,8 @@ from scipy.spatial.transform import RigidTransform
 
 from sbam.errors import UnreachableError
 from sbam.planning.free_flight import solve_free_flight
-from sbam.planning.grasp_selection import choose_grasps, meeting_objects
+from sbam.planning.grasp_selection import choose_grasps
+from sbam.planning.touching import collision_model, meeting_objects
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +20,8 @@ def checkpoints(small_plan):
 
 @pytest.fixture(scope="module")
 def combinations(small_plan, checkpoints):
-    return choose_grasps(small_plan.task, small_plan.robot, checkpoints, seed=0)
+    shapes = collision_model(small_plan.task, small_plan.robot)
+    return choose_grasps(small_plan.task, small_plan.robot, shapes, checkpoints, seed=0)
 
 
 def test_every_chosen_grasp_holds_its_object_at_every_checkpoint(small_plan, checkpoints, combinations):
@@ -43,7 +45,8 @@ def test_combinations_differ(combinations):
 
 
 def test_the_same_seed_chooses_the_same(small_plan, checkpoints, combinations):
-    again = choose_grasps(small_plan.task, small_plan.robot, checkpoints, seed=0)
+    shapes = collision_model(small_plan.task, small_plan.robot)
+    again = choose_grasps(small_plan.task, small_plan.robot, shapes, checkpoints, seed=0)
     for first, second in zip(combinations, again, strict=True):
         for key in first:
             np.testing.assert_array_equal(first[key].configurations, second[key].configurations)
@@ -63,4 +66,4 @@ def test_objects_that_the_action_brings_together_may_touch(small_plan, rolling_p
 def test_out_of_reach_says_how_far(small_plan, checkpoints):
     far = {role: RigidTransform.from_translation([0.0, 0.8, 0.0]) * pose for role, pose in checkpoints.items()}
     with pytest.raises(UnreachableError, match=r"'apple_juice' with none of \d+ grasps .* by \d+ mm"):
-        choose_grasps(small_plan.task, small_plan.robot, far)
+        choose_grasps(small_plan.task, small_plan.robot, collision_model(small_plan.task, small_plan.robot), far)

@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.demonstration import Hand
-from sbam.planning.approach import LINE_TIME
 from sbam.planning.checks import Check
-from sbam.planning.grasp_selection import meeting_objects
 from sbam.planning.grasps import Grasp
 from sbam.planning.motion import Motion, Phase
 from sbam.planning.task import Task
+from sbam.planning.touching import touching_hands
 from sbam.planning.trajectory import JointTrajectory
 from sbam.robots import Robot, point_jacobian
 from sbam.robots.collision import CollisionModel
@@ -49,6 +48,7 @@ class Execution:
 def execute(
     task: Task,
     robot: Robot,
+    collision: CollisionModel,
     grasps: Mapping[tuple[str, Hand], Grasp],
     motion: Motion,
     trajectory: JointTrajectory,
@@ -60,6 +60,7 @@ def execute(
     Args:
         task: model bound to a scene.
         robot: robot standing in the agent frame.
+        collision: shapes of the robot and the scene's objects.
         grasps: (role, hand) -> grasp.
         motion: the dense motion that was timed.
         trajectory: the timed trajectory.
@@ -94,14 +95,14 @@ def execute(
         expected = np.stack([np.interp(clock, wanted.time, column) for column in wanted.pose.translation.T], axis=-1)
         off = np.linalg.norm(position - expected, axis=1)
         checks.append(_largest(f"{moved.name} follows its path", off, 2e-3, "m", trajectory.time))
-    checks += check_clearances(task, robot, motion, poses, trajectory, clock, clearance)
+    checks += check_clearances(task, collision, motion, poses, trajectory, clock, clearance)
     checks.append(_check_torques(task, robot, poses, grasps, trajectory))
     return Execution(clock, poses, tuple(checks))
 
 
 def check_clearances(
     task: Task,
-    robot: Robot,
+    collision: CollisionModel,
     motion: Motion,
     poses: Mapping[str, RigidTransform],
     trajectory: JointTrajectory,
@@ -110,15 +111,9 @@ def check_clearances(
 ) -> list[Check]:
     """Distances over the whole motion, by class of pairs; a hand may touch its object from the straight approach on."""
     samples = np.append(np.arange(0, len(clock), _stride(trajectory, CLEARANCE_SAMPLES)), len(clock) - 1)
-    collision = CollisionModel(robot, task.scene.objects, allowed=meeting_objects(task))
     objects = dict(task.T_agent_object)
     objects.update({moved.name: poses[moved.role][samples] for moved in task.moved})
-    held = {}
-    for moved in task.moved:
-        for hand in moved.hands:
-            phases = {p.name: p for p in motion.phases if p.role == moved.role and p.hand == hand}
-            near = (clock >= phases["grasp"].start - LINE_TIME) & (clock <= phases["place"].end + LINE_TIME)
-            held[moved.name, hand] = near[samples]
+    held = touching_hands(task, motion.phases, clock[samples])
     report = collision.clearances(trajectory.position[samples], objects, held)
     checks = []
     for kind, distance in report.distance_by_class.items():

@@ -167,7 +167,7 @@ def _score(robot: Robot, grasp: Grasp, path: Array, joints: NDArray[np.int_]) ->
 
 
 def choose_grasps(
-    task: Task, robot: Robot, poses: Mapping[str, RigidTransform], seed: int = 0
+    task: Task, robot: Robot, collision: CollisionModel, poses: Mapping[str, RigidTransform], seed: int = 0
 ) -> list[dict[tuple[str, Hand], FollowedGrasp]]:
     """Combinations of grasps for all hands, best first.
 
@@ -177,6 +177,7 @@ def choose_grasps(
     Args:
         task: model bound to a scene.
         robot: robot standing in the agent frame.
+        collision: shapes of the robot and the scene's objects.
         poses: role -> M poses at the checkpoints, agent frame.
         seed: of the random starts.
 
@@ -186,7 +187,6 @@ def choose_grasps(
     Raises:
         UnreachableError: if a hand finds no grasp.
     """
-    collision = CollisionModel(robot, task.scene.objects, allowed=meeting_objects(task))
     keys: list[tuple[MovedObject, Hand]] = [(moved, hand) for moved in task.moved for hand in moved.hands]
     options = []
     for moved, hand in keys:
@@ -207,16 +207,6 @@ def choose_grasps(
     return [
         {(moved.role, hand): item for (moved, hand), item in zip(keys, items, strict=True)} for items in combinations
     ]
-
-
-def meeting_objects(task: Task) -> list[tuple[str, str]]:
-    """Pairs of objects whose regions the model brings together on purpose; they may touch."""
-    pairs = {
-        tuple(sorted(task.binding[role] for role in change.pair.roles))
-        for change in task.model.changes
-        if len(change.pair.roles) == 2
-    }
-    return [(first, second) for first, second in sorted(pairs)]
 
 
 def _merged(robot: Robot, keys: Sequence[tuple[MovedObject, Hand]], items: Sequence[FollowedGrasp]) -> Array:

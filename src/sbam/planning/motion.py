@@ -59,6 +59,7 @@ class Motion:
 def make_motion(
     task: Task,
     robot: Robot,
+    collision: CollisionModel,
     grasps: Mapping[tuple[str, Hand], Grasp],
     keypoint_times: Array,
     configurations: Array,
@@ -70,6 +71,7 @@ def make_motion(
     Args:
         task: model bound to a scene.
         robot: robot standing in the agent frame.
+        collision: shapes of the robot and the scene's objects.
         grasps: (role, hand) -> grasp.
         keypoint_times: (K,) s.
         configurations: (K, n) optimised configurations, which settle the redundancy.
@@ -81,7 +83,6 @@ def make_motion(
         UnreachableError: names hand, object, time and joint where the dense motion cannot be followed.
     """
     home = robot.clip(robot.home)
-    collision = CollisionModel(robot, task.scene.objects)
     before = task.T_agent_object
     after = {**before, **{moved.name: moved.put_down for moved in task.moved}}
     held, reaches, begins, ends = {}, {}, [], []

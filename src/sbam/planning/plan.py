@@ -13,13 +13,14 @@ from scipy.spatial.transform import RigidTransform
 from sbam.demonstrations.demonstration import Hand
 from sbam.errors import TrajectoryError, UnreachableError
 from sbam.learning.model import ActionModel
+from sbam.planning.avoidance import keep_clear
 from sbam.planning.build import build_problem
 from sbam.planning.checks import Check, check_receivers, failed
 from sbam.planning.execution import execute, phase_times
 from sbam.planning.free_flight import solve_free_flight
 from sbam.planning.grasp_selection import FollowedGrasp, choose_grasps
 from sbam.planning.grasps import Grasp
-from sbam.planning.motion import Phase, make_motion
+from sbam.planning.motion import Motion, Phase, make_motion
 from sbam.planning.reachability import unreached
 from sbam.planning.settings import PlanSettings
 from sbam.planning.solvers.result import Solution
@@ -27,8 +28,10 @@ from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
 from sbam.planning.start import start_from
 from sbam.planning.task import Task, bind
 from sbam.planning.timing import time_path
+from sbam.planning.touching import collision_model
 from sbam.planning.trajectory import JointTrajectory
 from sbam.robots import Robot, load_robot
+from sbam.robots.collision import CollisionModel
 from sbam.scene import Scene
 
 Array = NDArray[np.float64]
@@ -132,11 +135,12 @@ def plan(
     at_checkpoints = {role: pose[checkpoints] for role, pose in poses.items()}
     best: Plan | None = None
     trouble: UnreachableError | TrajectoryError | None = None
-    combinations = choose_grasps(task, robot, at_checkpoints, settings.seed)
+    collision = collision_model(task, robot)
+    combinations = choose_grasps(task, robot, collision, at_checkpoints, settings.seed)
     # The paper's solver takes a minute each time, and its faults do not come from the grasps.
     for chosen in _in_turn(combinations, ATTEMPTS if settings.solver == "default" else 1):
         try:
-            candidate = _plan_with(task, robot, settings, chosen, checkpoints, free, clock, notes)
+            candidate = _plan_with(task, robot, collision, settings, chosen, checkpoints, free, clock, notes)
         except (UnreachableError, TrajectoryError) as error:
             trouble = trouble or error
             continue
@@ -152,6 +156,7 @@ def plan(
 def _plan_with(
     task: Task,
     robot: Robot,
+    collision: CollisionModel,
     settings: PlanSettings,
     chosen: Mapping[tuple[str, Hand], FollowedGrasp],
     checkpoints: NDArray[np.int_],
@@ -174,21 +179,21 @@ def _plan_with(
         solution = solve_nelder_mead(problem, start[0])
     else:
         solution = solve_whole_trajectory(problem, [start])
-    state = problem.state(solution.configurations)
+
+    def move(solution: Solution) -> Motion:
+        poses = problem.state(solution.configurations).object_poses()
+        linear = settings.solver == "paper"
+        return make_motion(task, robot, collision, grasps, times, solution.configurations, poses, linear)
+
     clock.enter("motion")
-    motion = make_motion(
-        task,
-        robot,
-        grasps,
-        times,
-        solution.configurations,
-        state.object_poses(),
-        interpolate_joints=settings.solver == "paper",
-    )
+    motion = move(solution)
+    if settings.solver == "default" and settings.avoid_collisions:
+        clock.enter("avoidance")
+        solution, motion = keep_clear(task, robot, collision, problem, solution, motion, move, times, settings)
     clock.enter("timing")
     trajectory, model_time = time_path(robot, motion.clock, motion.configurations, settings.speed, settings.sample_rate)
     clock.enter("checks")
-    execution = execute(task, robot, grasps, motion, trajectory, model_time, settings.clearance)
+    execution = execute(task, robot, collision, grasps, motion, trajectory, model_time, settings.clearance)
     checks = (*check_receivers(robot, trajectory, robot.clip(robot.home), settings.speed), *execution.checks)
     problems = [*unreached(problem, solution, free, times), *failed(checks)]
     return Plan(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,21 +22,27 @@ class Problem:
         workspace: robot, carried objects and regions.
         terms: objective terms and requirements.
         count: number K of keypoints.
+        center: (K, n) configurations to stay near, or None.
+        radius: how far each joint may be from them, rad or m: the trust region of terms that are linearised there.
     """
 
     workspace: Workspace
     terms: tuple[Term, ...]
     count: int
+    center: Array | None = None
+    radius: float = np.inf
 
-    @property
+    @cached_property
     def lower(self) -> Array:
-        """(n,) lower joint limits to plan with, rad or m; -inf for continuous joints."""
-        return planning_limits(self.workspace.robot)[0]
+        """(n,) or (K, n) lower joint limits to plan with, rad or m; -inf for continuous joints."""
+        limit = planning_limits(self.workspace.robot)[0]
+        return limit if self.center is None else np.maximum(limit, self.center - self.radius)
 
-    @property
+    @cached_property
     def upper(self) -> Array:
-        """(n,) upper joint limits to plan with, rad or m; inf for continuous joints."""
-        return planning_limits(self.workspace.robot)[1]
+        """(n,) or (K, n) upper joint limits to plan with, rad or m; inf for continuous joints."""
+        limit = planning_limits(self.workspace.robot)[1]
+        return limit if self.center is None else np.minimum(limit, self.center + self.radius)
 
     def project(self, configurations: Array) -> Array:
         """The nearest configurations within the joint limits."""
@@ -55,4 +62,6 @@ class Problem:
 
     def at(self, keypoint: int, previous: State | None) -> Problem:
         """The problem of one keypoint alone, the previous one being solved (the paper's sequential order)."""
-        return Problem(self.workspace, tuple(term.at(keypoint, previous) for term in self.terms), 1)
+        center = None if self.center is None else self.center[keypoint : keypoint + 1]
+        terms = tuple(term.at(keypoint, previous) for term in self.terms)
+        return Problem(self.workspace, terms, 1, center, self.radius)

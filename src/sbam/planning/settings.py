@@ -29,7 +29,9 @@ class PlanSettings:
             regions; see `sbam.planning.weights`.
         speed: share of the robot's velocity limits that may be used; accelerations scale with its square.
         sample_rate: samples of the emitted trajectory per second, Hz.
-        clearance: distance that arms and carried objects shall keep from what they must not touch, m.
+        clearance: distance that arms and carried objects must keep from what they must not touch, m; it is checked.
+        avoid_collisions: whether the keypoints are optimised again where the motion between them comes nearer.
+        margin: distance beyond ``clearance`` that is sought then, m.
         seed: seed of the random starts.
 
     Raises:
@@ -46,13 +48,15 @@ class PlanSettings:
     speed: float = 0.5
     sample_rate: float = 1000.0
     clearance: float = 0.0
+    avoid_collisions: bool = True
+    margin: float = 0.01
     seed: int = 0
 
     def __post_init__(self) -> None:
         """Refuse what makes no sense, before it costs time or lets a trajectory pass that is too fast."""
         if self.solver not in get_args(Solver):
             raise SettingsError("solver", self.solver, " or ".join(map(repr, get_args(Solver))))
-        for name in ("damping", "smoothness", "proximity", "clearance", "human_likeness"):
+        for name in ("damping", "smoothness", "proximity", "clearance", "margin", "human_likeness"):
             value = getattr(self, name)
             if value is not None and not (isfinite(value) and value >= 0.0):
                 raise SettingsError(name, value, "a finite number, 0 or more")

@@ -1,10 +1,22 @@
 """Objective terms, one a file: residual and derivative over all keypoints at once."""
 
 from sbam.planning.terms.base import EXACT, Smoothing, Term
+from sbam.planning.terms.clearance import Clearance
 from sbam.planning.terms.damping import Damping
 from sbam.planning.terms.human_likeness import HumanLikeness
 from sbam.planning.terms.requirements import Closure, Resting
 from sbam.planning.terms.similarity import Similarity
 from sbam.planning.terms.smoothness import Smoothness
 
-__all__ = ["EXACT", "Closure", "Damping", "HumanLikeness", "Resting", "Similarity", "Smoothing", "Smoothness", "Term"]
+__all__ = [
+    "EXACT",
+    "Clearance",
+    "Closure",
+    "Damping",
+    "HumanLikeness",
+    "Resting",
+    "Similarity",
+    "Smoothing",
+    "Smoothness",
+    "Term",
+]

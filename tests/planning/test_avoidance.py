@@ -1,0 +1,75 @@
+"""Keeping clear between the keypoints."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from sbam.evaluation import random_pouring_scene
+from sbam.planning.avoidance import clearance_term
+from sbam.planning.motion import Motion, make_motion
+from sbam.planning.plan import Plan, plan
+from sbam.planning.settings import PlanSettings
+from sbam.planning.touching import collision_model
+
+
+def carried(plan: Plan, motion: Motion, step: np.ndarray) -> Motion:
+    """The motion with every configuration moved by a step, the objects in the hands moved along."""
+    q = motion.configurations + step
+    objects = []
+    for path, moved in zip(motion.objects, plan.task.moved, strict=True):
+        frame = plan.robot.arms[moved.hands[0]].tcp_frame
+        k = plan.robot.kinematics(q, [frame])
+        tcp = RigidTransform.from_components(k.position[:, 0], Rotation.from_matrix(k.rotation[:, 0]))
+        objects.append(replace(path, pose=tcp * plan.grasps[moved.role, moved.hands[0]].T_object_tcp.inv()))
+    return replace(motion, configurations=q, objects=tuple(objects))
+
+
+def test_gradients_predict_distances(small_plan, problem_of):
+    times, q = small_plan.task.model.keypoint_times, small_plan.solution.configurations
+    shapes = collision_model(small_plan.task, small_plan.robot)
+    poses = problem_of(small_plan).state(q).object_poses()
+    motion = make_motion(small_plan.task, small_plan.robot, shapes, small_plan.grasps, times, q, poses)
+    both = [p for p in motion.phases if p.name == "manipulate"]
+    within = (motion.clock > max(p.start for p in both)) & (motion.clock < min(p.end for p in both))
+    cut = replace(
+        motion,
+        clock=motion.clock[within],
+        configurations=motion.configurations[within],
+        objects=tuple(replace(o, time=o.time[within], pose=o.pose[within]) for o in motion.objects),
+    )
+    arguments = (small_plan.task, small_plan.robot, shapes)
+    step = 1e-5 * np.random.default_rng(0).standard_normal(q.shape[1])
+    here = clearance_term(*arguments, carried(small_plan, cut, 0.0 * step), times, q, 0.2)
+    there = clearance_term(*arguments, carried(small_plan, cut, step), times, q, 0.2)
+    # Intervals in which the same pairs are in view.
+    same = np.isfinite(here.distance).sum(axis=1) == np.isfinite(there.distance).sum(axis=1)
+    width = min(here.distance.shape[1], there.distance.shape[1])
+    some = np.isfinite(here.distance[same, :width])
+    assert some.sum() > 50
+    change = there.distance[same, :width][some] - here.distance[same, :width][some]
+    # At edges of boxes the nearest points jump; everywhere else the gradient is exact.
+    agrees = np.isclose(change, (here.gradient @ step)[same, :width][some], rtol=1e-2, atol=1e-8)
+    assert agrees.mean() > 0.9
+
+
+@pytest.fixture(scope="module")
+def crowded(model_of):
+    """A scene in which the arms of this robot meet."""
+
+    def make(**settings):
+        model = model_of("pouring", "cartesian")
+        return plan(model, random_pouring_scene(12), robot="armar7", settings=PlanSettings(**settings))
+
+    return make
+
+
+def test_arms_are_kept_apart_on_the_whole_way(crowded, monkeypatch):
+    monkeypatch.setattr("sbam.planning.plan.ATTEMPTS", 1)  # other grasps would help too
+
+    def least(plan: Plan) -> float:
+        return next(check.worst for check in plan.checks if check.name == "clearance arm-arm")
+
+    assert least(crowded(avoid_collisions=False)) < -0.01
+    assert least(crowded()) >= 0.0
