@@ -67,7 +67,7 @@ def main() -> None:
         for constraint in arguments.constraints:
             problem, start = problem_of(constraint, mode, arguments.seed)
             pairs = sum(len(term.groups()) for term in problem.terms if term.name == "similarity")
-            starts = [start, np.tile(start, (problem.count, 1))]
+            starts = [start]
             found = [solve_whole_trajectory(problem, starts) for _ in range(REPEATS)]
             seconds = float(np.median([solution.seconds for solution in found]))
             row = f"{mode:10s}  {constraint:12s}  {pairs:5d}  {1e3 * floor(problem, start):9.2f}  {seconds:10.3f}"

@@ -49,5 +49,5 @@ def solve_free_flight(task: Task, settings: PlanSettings) -> tuple[Solution, dic
         grasps[moved.role, hand] = RigidTransform.from_rotation(moved.start.rotation.inv())
         start[robot.arms[hand].joint_indices[:3]] = moved.start.translation
     problem = build_problem(single_handed, robot, grasps, replace(settings, human_likeness=0.0))
-    solution = solve_whole_trajectory(problem, [start, np.tile(start, (problem.count, 1))])
+    solution = solve_whole_trajectory(problem, [start])
     return solution, problem.state(solution.configurations).object_poses()

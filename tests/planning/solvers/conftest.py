@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sbam.planning.problem import Problem
-from sbam.planning.solvers.linearization import linearize
+from sbam.planning.solvers.linearization import evaluate, linearize
 from sbam.planning.state import State
 from sbam.planning.terms import EXACT, Smoothing, Term
 
@@ -48,7 +48,8 @@ def slsqp() -> Callable[[Problem, np.ndarray], float]:
     def solve(problem: Problem, start: np.ndarray) -> float:
         def merit(flat: np.ndarray) -> tuple[float, np.ndarray]:
             state = problem.state(problem.project(flat.reshape(start.shape)))
-            return problem.merit(state, nearly_exact), linearize(problem, state, nearly_exact).gradient.ravel()
+            at = evaluate(problem, state, nearly_exact)
+            return at.merit, linearize(problem, at, nearly_exact).gradient.ravel()
 
         bounds = list(zip(np.tile(problem.lower, len(start)), np.tile(problem.upper, len(start)), strict=True))
         options = {"maxiter": 200, "ftol": 1e-10}

@@ -1,12 +1,14 @@
 """The default solver against known optima and an independent solver."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
 from sbam.constraints import CONSTRAINT_TYPES
 from sbam.planning.problem import Problem
-from sbam.planning.solvers.whole_trajectory import SCHEDULE, descend, sequential, solve_whole_trajectory
+from sbam.planning.solvers.whole_trajectory import COLD, descend, solve_whole_trajectory
 from sbam.planning.state import Carrying, RegionPoint, Workspace
 from sbam.planning.terms import Damping, Similarity, Smoothness
 
@@ -86,11 +88,14 @@ def test_the_merit_never_rises_and_limits_hold(which, seed, small_plan, rolling_
     problem = problem_of(plan, plan.task.model.keypoint_times[some])
     near = plan.solution.configurations[some]
     start = problem.project(near + np.random.default_rng(seed).normal(0.0, 0.3, near.shape))
-    for stage in SCHEDULE:
-        merits = [problem.merit(problem.state(start), stage.smoothing)]
+    for stage in COLD:
+        staged = problem
+        if stage.stiffness:
+            staged = replace(problem, terms=(*problem.terms, Smoothness(stage.stiffness)))
+        merits = [staged.merit(problem.state(start), stage.smoothing)]
         for iterations in range(1, 15):
             state, _ = descend(problem, start, [stage], max_iterations=iterations)
-            merits.append(problem.merit(state, stage.smoothing))
+            merits.append(staged.merit(state, stage.smoothing))
             assert (state.configurations >= problem.lower).all()
             assert (state.configurations <= problem.upper).all()
         assert (np.diff(merits) <= 0.0).all()
@@ -139,20 +144,18 @@ def test_the_best_of_several_starts_is_kept(small_plan, problem_of):
     both = solve_whole_trajectory(problem, [bad, good])
     assert both.objective == min(solution.objective for solution in alone)
     assert both.starts == 2
-    # Only the best is polished.
-    assert both.iterations < sum(solution.iterations for solution in alone)
+    assert both.iterations == sum(solution.iterations for solution in alone)
     with pytest.raises(ValueError, match="at least one start"):
         solve_whole_trajectory(problem, [])
 
 
-def test_the_sequential_pass_is_a_start_for_all(small_plan, problem_of):
-    problem = problem_of(small_plan, small_plan.task.model.keypoint_times[5:20:5])
-    start = small_plan.solution.configurations[5]
-    configurations, iterations = sequential(problem, start)
-    assert configurations.shape == (problem.count, len(start))
-    assert iterations >= problem.count
-    greedy = problem.merit(problem.state(configurations))
-    assert solve_whole_trajectory(problem, [start]).objective <= greedy
+def test_one_posture_is_start_enough(small_plan, problem_of):
+    """From the posture before the lift as good as from the solution itself."""
+    problem = problem_of(small_plan)
+    cold = solve_whole_trajectory(problem, [small_plan.solution.configurations[0]])
+    warm = solve_whole_trajectory(problem, [small_plan.solution.configurations])
+    assert cold.objective < 1.002 * warm.objective
+    assert warm.iterations < cold.iterations < 40
 
 
 def test_the_solution_says_what_it_costs(small_plan, problem_of):

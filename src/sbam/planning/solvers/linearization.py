@@ -1,7 +1,8 @@
-"""Gauss-Newton model of a problem: block-tridiagonal, because only neighbours are coupled."""
+"""Quadratic model of a problem: block-tridiagonal, because only neighbours are coupled."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,57 @@ from sbam.planning.terms import Smoothing
 
 Array = NDArray[np.float64]
 
+SMALLEST_NORM = 1e-9  # keeps what is divided by a norm finite
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """A state with its residuals: the merit needs them, and so does the linearisation.
+
+    Attributes:
+        state: the configurations and what follows from them.
+        residuals: of each term, (K, G, m).
+        norms: of each term with norms, sqrt(r.r + epsilon^2), (K, G); None for the others.
+        merit: the smoothed objective plus requirements.
+    """
+
+    state: State
+    residuals: tuple[Array, ...]
+    norms: tuple[Array | None, ...]
+    merit: float
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The linearised residuals of one term.
+
+    Attributes:
+        residual: (K, G, m).
+        norm: (K, G) smoothed norms; None for a term with squares.
+        jacobian: (K, G m, n) by the keypoint's own configuration.
+        previous: (K - 1, G m, n) by the previous keypoint's, from the second keypoint on; None if not coupled.
+    """
+
+    residual: Array
+    norm: Array | None
+    jacobian: Array
+    previous: Array | None
+
+    def change(self, step: Array) -> Array:
+        """(K, G, m) change of the residual with a step (K, n)."""
+        change = np.matvec(self.jacobian, step)
+        if self.previous is not None:
+            change[1:] += np.matvec(self.previous, step[:-1])
+        return change.reshape(self.residual.shape)
+
+    def pull(self, residual: Array) -> Array:
+        """(K, n) gradient of a residual (K, G, m) with these derivatives."""
+        rows = residual.reshape(len(residual), -1)
+        gradient = np.vecmat(rows, self.jacobian)
+        if self.previous is not None:
+            gradient[:-1] += np.vecmat(rows[1:], self.previous)
+        return gradient
+
 
 @dataclass(frozen=True)
 class Linearization:
@@ -22,81 +74,133 @@ class Linearization:
         diagonal: (K, n, n) blocks on the diagonal.
         coupling: (K, n, n) blocks (k, k - 1); the first is zero.
         gradient: (K, n).
+        rows: the linearised terms, in the problem's order.
     """
 
     diagonal: Array
     coupling: Array
     gradient: Array
+    rows: tuple[Rows, ...] = ()
+
+    def predicted_gain(self, step: Array) -> float:
+        """How much a step (K, n) lowers the merit, by this model."""
+        curved = 0.5 * np.matvec(self.diagonal, step)
+        curved[1:] += np.matvec(self.coupling[1:], step[:-1])
+        return -float((step * (self.gradient + curved)).sum())
+
+    def bending(self, step: Array, after: Evaluation) -> Array:
+        """Gradient (K, n) of what the residuals after a step differ from the linear ones: the way curves.
+
+        With it a second step leads back onto the curved way of stiff residuals (second-order correction; Nocedal and
+        Wright 2006, section 15.6).
+        """
+        gradient = np.zeros_like(self.gradient)
+        for rows, residual in zip(self.rows, after.residuals, strict=True):
+            bend = residual - rows.residual - rows.change(step)
+            gradient += rows.pull(bend if rows.norm is None else bend / rows.norm[..., None])
+        return gradient
 
 
-def linearize(problem: Problem, state: State, smoothing: Smoothing) -> Linearization:
-    """Iteratively re-weighted Gauss-Newton model: a norm sqrt(r.r + eps^2) = v contributes J^T J / v and J^T r / v.
-
-    The norm's own curvature is left out: it makes the model indefinite at the kinks where the optima sit.
-    """
-    count, joints = state.configurations.shape
-    diagonal = np.zeros((count, joints, joints))
-    coupling = np.zeros((count, joints, joints))
-    gradient = np.zeros((count, joints))
+def evaluate(problem: Problem, state: State, smoothing: Smoothing) -> Evaluation:
+    """Residuals and merit of a state."""
+    residuals, norms, merit = [], [], 0.0
     for term in problem.terms:
         residual = term.residual(state, smoothing)
-        jacobian = term.jacobian(state, smoothing)
-        scale = np.ones(residual.shape[:2])
+        squared = np.square(residual).sum(axis=-1)
+        norm = None
         if term.loss == "norm":
-            squared = np.square(residual).sum(axis=-1)
-            scale = (squared + max(term.epsilon(smoothing), 1e-9) ** 2) ** -0.25
-            residual = residual * scale[..., None]
-            jacobian = jacobian * scale[..., None, None]
-        rows = residual.reshape(count, -1)
-        own = jacobian.reshape(count, -1, joints)
-        own_t = np.swapaxes(own, 1, 2)
-        diagonal += own_t @ own
-        gradient += np.matvec(own_t, rows)
-        if term.couples_neighbours and count > 1:
-            before = term.previous_jacobian(state)[1:] * scale[1:, :, None, None]
-            before = before.reshape(count - 1, -1, joints)
-            before_t = np.swapaxes(before, 1, 2)
-            diagonal[:-1] += before_t @ before
-            coupling[1:] += own_t[1:] @ before
-            gradient[:-1] += np.matvec(before_t, rows[1:])
-    return Linearization(diagonal, coupling, gradient)
+            norm = np.sqrt(squared + max(term.epsilon(smoothing), SMALLEST_NORM) ** 2)
+        merit += float(0.5 * squared.sum() if norm is None else norm.sum())
+        residuals.append(residual)
+        norms.append(norm)
+    return Evaluation(state, tuple(residuals), tuple(norms), merit)
 
 
-def _band_index(count: int, joints: int) -> tuple[NDArray[np.int_], NDArray[np.int_], NDArray[np.int_]]:
-    """Rows of the lower band form for the entries of a diagonal block and of a coupling block, and the columns."""
-    i, j = np.meshgrid(np.arange(joints), np.arange(joints), indexing="ij")
-    return i - j, i - j + joints, j
+def linearize(
+    problem: Problem,
+    at: Evaluation,
+    smoothing: Smoothing,
+    duals: Sequence[Array | None] | None = None,
+    curvature: float = 1.0,
+) -> Linearization:
+    """Model of the merit around a state.
 
+    A norm v = sqrt(r.r + epsilon^2) with u = r / v contributes the gradient J^T u and the matrix
 
-def solve_damped(model: Linearization, damping: float, free: NDArray[np.bool_]) -> Array:
-    """Levenberg step: solve (H + damping diag(H)) step = -gradient for the free variables.
+        J^T (I - c (z u^T + u z^T) / 2) J / v
+
+    With c = 0 this is iteratively re-weighted least squares. The norm's own curvature (z = u, c = 1) would be Newton's
+    method, which overshoots at the kinks where the optima sit. In between is the primal-dual method: the dual z is an
+    estimate of u at the optimum, inside the unit ball where the optimum is on a kink (Chan, Golub and Mulet 1999;
+    Andersen, Christiansen, Conn and Overton 2000). The matrix is positive semidefinite as long as |z| <= 1.
 
     Args:
-        model: the Gauss-Newton model.
-        damping: Levenberg-Marquardt parameter, relative to the diagonal.
-        free: (K, n) False for joints held at a limit, whose step is 0.
+        problem: what to minimise.
+        at: where, from `evaluate` with the same smoothing.
+        smoothing: how the kinks are rounded.
+        duals: z of each term with norms, (K, G, m), None for the others; default all zero.
+        curvature: c, between 0 and 1.
+    """
+    count, joints = at.state.configurations.shape
+    diagonal, coupling = np.zeros((2, count, joints, joints))
+    gradient = np.zeros((count, joints))
+    linearized: list[Rows] = []
+    for index, (term, residual, norm) in enumerate(zip(problem.terms, at.residuals, at.norms, strict=True)):
+        own = term.jacobian(at.state, smoothing).reshape(count, -1, joints)
+        previous = None
+        if term.couples_neighbours and count > 1:
+            previous = term.previous_jacobian(at.state)[1:].reshape(count - 1, -1, joints)
+        rows = Rows(residual, norm, own, previous)
+        linearized.append(rows)
+        weighted, weighted_previous = own, previous
+        if norm is not None:
+            residual = residual / norm[..., None]
+            dual = None if duals is None else duals[index]
+            weighted = _weighted(own, norm, residual, dual, curvature)
+            if previous is not None:
+                later = None if dual is None else dual[1:]
+                weighted_previous = _weighted(previous, norm[1:], residual[1:], later, curvature)
+        own_t = np.swapaxes(own, 1, 2)
+        diagonal += own_t @ weighted
+        gradient += rows.pull(residual)
+        if previous is not None and weighted_previous is not None:
+            diagonal[:-1] += np.swapaxes(previous, 1, 2) @ weighted_previous
+            coupling[1:] += own_t[1:] @ weighted_previous
+    return Linearization(diagonal, coupling, gradient, tuple(linearized))
+
+
+def _weighted(jacobian: Array, norm: Array, unit: Array, dual: Array | None, curvature: float) -> Array:
+    """(I - c (z u^T + u z^T) / 2) J / v, (K, G m, n)."""
+    count, groups, size = unit.shape
+    grouped = jacobian.reshape(count, groups, size, -1)
+    weighted = grouped / norm[..., None, None]
+    if dual is not None and curvature > 0.0:
+        pair = np.stack([dual, unit], axis=-2)
+        weighted -= 0.5 * curvature * (np.swapaxes(pair[..., ::-1, :], -1, -2) @ (pair @ weighted))
+    return weighted.reshape(jacobian.shape)
+
+
+def updated_duals(model: Linearization, step: Array, duals: Sequence[Array | None] | None) -> list[Array | None]:
+    """The duals after a step: Newton's method on v z = r, brought back into the unit ball.
+
+    Args:
+        model: linearisation before the step.
+        step: (K, n).
+        duals: before the step, as given to `linearize`.
 
     Returns:
-        (K, n) step.
+        z + dz = u + (dr - z (u . dr)) / v of each term with norms, (K, G, m).
     """
-    from scipy.linalg import solveh_banded
-
-    count, joints, _ = model.diagonal.shape
-    keep = free[:, :, None] & free[:, None, :]
-    diagonal = np.where(keep, model.diagonal, 0.0)
-    index = np.arange(joints)
-    entries = diagonal[:, index, index]
-    scale = np.maximum(entries, 1e-3 * entries.max(axis=1, initial=1e-12, keepdims=True))
-    diagonal[:, index, index] = np.where(free, entries + damping * scale + 1e-9, 1.0)
-    right = np.where(free, -model.gradient, 0.0)
-    if count == 1:
-        return np.linalg.solve(diagonal, right[..., None])[..., 0]
-    same, next_block, column = _band_index(count, joints)
-    band = np.zeros((2 * joints, count, joints))
-    lower = same >= 0
-    band[same[lower], :, column[lower]] = diagonal[:, lower].T
-    coupled = np.where(free[1:, :, None] & free[:-1, None, :], model.coupling[1:], 0.0)
-    band[next_block, :-1, column] = np.moveaxis(coupled, 0, -1)
-    return solveh_banded(
-        band.reshape(2 * joints, count * joints), right.ravel(), lower=True, check_finite=False
-    ).reshape(count, joints)
+    result: list[Array | None] = []
+    for index, rows in enumerate(model.rows):
+        if rows.norm is None:
+            result.append(None)
+            continue
+        norm = rows.norm[..., None]
+        change, unit = rows.change(step), rows.residual / norm
+        dual = None if duals is None else duals[index]
+        if dual is not None:
+            change = change - dual * np.vecdot(unit, change)[..., None]
+        moved = unit + change / norm
+        result.append(moved / np.maximum(np.linalg.norm(moved, axis=-1, keepdims=True), 1.0))
+    return result

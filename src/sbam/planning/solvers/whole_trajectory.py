@@ -1,19 +1,20 @@
-"""The default solver: all keypoints at once by re-weighted Gauss-Newton steps with graduated smoothing."""
+"""The default solver: all keypoints at once, by primal-dual Newton steps with graduated smoothing."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sbam.planning.problem import Problem
-from sbam.planning.solvers.linearization import linearize, solve_damped
+from sbam.planning.solvers.banded import DampedSystem
+from sbam.planning.solvers.linearization import evaluate, linearize, updated_duals
 from sbam.planning.solvers.result import Solution, describe
 from sbam.planning.state import State
-from sbam.planning.terms import EXACT, Smoothing
+from sbam.planning.terms import EXACT, Smoothing, Smoothness
 
 Array = NDArray[np.float64]
 
@@ -25,20 +26,28 @@ class Stage:
     Attributes:
         smoothing: how the kinks are rounded.
         tolerance: the stage ends when an iteration lowers the merit by less than this share.
+        curvature: how much of the norms' curvature the model has, 0 to 1 (`linearize`).
+        stiffness: coefficient of a further smoothness term, 1/rad^2: it carries all keypoints along together.
     """
 
     smoothing: Smoothing
     tolerance: float
+    curvature: float = 0.95
+    stiffness: float = 0.0
 
 
 # Coarse to fine: the optimum sits on kinks of the sum of norms, which a fine smoothing alone does not find.
 SCHEDULE = (
-    Stage(Smoothing(0.3, 3e-2, 3e-3), 1e-3),
-    Stage(Smoothing(0.03, 5e-3, 1e-3), 1e-3),
-    Stage(Smoothing(1e-3, 1e-3, 1e-6), 1e-4),
+    Stage(Smoothing(0.3, 3e-2, 3e-3), 3e-3, 0.5),
+    Stage(Smoothing(1e-2, 2e-3, 3e-6), 1e-3),
+    Stage(Smoothing(3e-4, 2e-4, 1e-9), 5e-5),
 )
-POLISH = (Stage(Smoothing(1e-4, 1e-4, 1e-7), 1e-5),)  # for the best start alone: it leaves kinks that are none
+WARM = SCHEDULE[1:]  # from a motion that is nearly right
+# From a posture that is no motion yet: the keypoints first find their way together, as if joined by springs.
+COLD = (Stage(Smoothing(3.0, 0.3, 1e-2), 1e-2, 0.0, 3.0), *SCHEDULE)
 MAX_STEP = 0.5  # rad (or m) per iteration and joint
+POOR = 0.5  # share of the promised gain below which a step is corrected for the residuals' curvature
+LARGEST_DAMPING = 1e4  # a smaller step would change nothing
 
 
 def descend(
@@ -59,51 +68,54 @@ def descend(
         The final state and the number of linear solves.
     """
     state = problem.state(problem.project(start))
-    iterations = 0
+    solves, damping = 0, 1e-2
+    duals: list[Array | None] | None = None
     for stage in schedule:
-        smoothing = stage.smoothing
-        damping = 1e-2
-        merit = problem.merit(state, smoothing)
+        staged = problem
+        if stage.stiffness > 0.0:
+            staged = replace(problem, terms=(*problem.terms, Smoothness(stage.stiffness)))
+        at = evaluate(staged, state, stage.smoothing)
         for _ in range(max_iterations):
-            model = linearize(problem, state, smoothing)
-            q = state.configurations
+            model = linearize(staged, at, stage.smoothing, duals, stage.curvature)
+            q = at.state.configurations
             blocked = ((q <= problem.lower) & (model.gradient > 0)) | ((q >= problem.upper) & (model.gradient < 0))
-            gain = 0.0
-            while damping < 1e6:
-                iterations += 1
-                step = solve_damped(model, damping, ~blocked)
-                longest = np.abs(step).max(axis=1, keepdims=True)
-                step *= np.minimum(1.0, MAX_STEP / np.maximum(longest, MAX_STEP))
-                candidate = problem.state(problem.project(q + step))
-                candidate_merit = problem.merit(candidate, smoothing)
-                if np.isfinite(candidate_merit) and candidate_merit < merit:
-                    gain, state, merit = merit - candidate_merit, candidate, candidate_merit
-                    damping = max(damping / 5.0, 1e-9)
+            merit, growth = at.merit, 4.0
+            while damping < LARGEST_DAMPING:
+                solves += 1
+                system = DampedSystem(model, damping, ~blocked)
+                step = _capped(system.step(model.gradient), MAX_STEP)
+                candidate = evaluate(staged, problem.state(problem.project(q + step)), stage.smoothing)
+                step = candidate.state.configurations - q
+                promised = max(model.predicted_gain(step), 1e-12)
+                if not merit - candidate.merit > POOR * promised:
+                    bent = _capped(system.step(model.bending(step, candidate)), np.abs(step).max(axis=1, keepdims=True))
+                    onto = evaluate(staged, problem.state(problem.project(q + step + bent)), stage.smoothing)
+                    candidate = onto if onto.merit < candidate.merit else candidate
+                if candidate.merit < merit:
+                    damping = _damping_after(damping, (merit - candidate.merit) / promised)
+                    duals = updated_duals(model, candidate.state.configurations - q, duals)
+                    at = candidate
                     break
-                damping *= 6.0
-            if gain <= stage.tolerance * abs(merit):
+                damping *= growth
+                growth *= 1.5
+            if merit - at.merit <= stage.tolerance * merit:
                 break
-    return state, iterations
+        state = at.state
+        damping = float(np.clip(damping, 1e-5, 1.0))
+    return state, solves
 
 
-def sequential(problem: Problem, start: Array, schedule: Sequence[Stage] = SCHEDULE[:1]) -> tuple[Array, int]:
-    """Solve keypoint by keypoint, each from the previous solution: the paper's order, and a start for all at once.
+def _capped(step: Array, largest: Array | float) -> Array:
+    """Steps (K, n), shortened so that no joint moves by more than ``largest``."""
+    longest = np.abs(step).max(axis=1, keepdims=True)
+    return step * np.minimum(1.0, largest / np.maximum(longest, 1e-12))
 
-    Args:
-        problem: what to minimise.
-        start: (n,) configuration to start the first keypoint from.
-        schedule: stages for each keypoint.
 
-    Returns:
-        (K, n) configurations and the number of linear solves.
-    """
-    previous: State | None = None
-    configurations, iterations = np.empty((problem.count, len(start))), 0
-    for k in range(problem.count):
-        state, used = descend(problem.at(k, previous), start[None], schedule, max_iterations=15)
-        previous, start, iterations = state, state.configurations[0], iterations + used
-        configurations[k] = start
-    return configurations, iterations
+def _damping_after(damping: float, ratio: float) -> float:
+    """Levenberg-Marquardt parameter after a step with a given ratio of actual to predicted gain."""
+    if ratio > 0.7:
+        return max(0.2 * damping, 1e-6)
+    return damping if ratio > 0.25 else 2.0 * damping
 
 
 def solve_whole_trajectory(problem: Problem, starts: Sequence[Array]) -> Solution:
@@ -111,7 +123,7 @@ def solve_whole_trajectory(problem: Problem, starts: Sequence[Array]) -> Solutio
 
     Args:
         problem: what to minimise.
-        starts: each (K, n) for all keypoints, or (n,) to be extended by a sequential pass first.
+        starts: each (K, n), a motion that is nearly right, or (n,), one posture to begin with everywhere.
 
     Returns:
         The best solution.
@@ -120,18 +132,12 @@ def solve_whole_trajectory(problem: Problem, starts: Sequence[Array]) -> Solutio
     best: State | None = None
     best_merit, iterations = np.inf, 0
     for start in starts:
-        if start.ndim == 1:
-            start, used = sequential(problem, start)
-            iterations += used
-        state, used = descend(problem, start)
+        everywhere = np.tile(start, (problem.count, 1)) if start.ndim == 1 else start
+        state, used = descend(problem, everywhere, COLD if start.ndim == 1 else WARM)
         iterations += used
         merit = problem.merit(state, EXACT)
         if best is None or merit < best_merit:
             best, best_merit = state, merit
     if best is None:
         raise ValueError("at least one start is needed")
-    polished, used = descend(problem, best.configurations, POLISH, max_iterations=25)
-    if problem.merit(polished, EXACT) < best_merit:
-        best = polished
-    iterations += used
     return describe(problem, best, "default", len(starts), iterations, time.perf_counter() - begin)
