@@ -13,7 +13,7 @@ from sbam.demonstrations.demonstration import Hand
 from sbam.planning.problem import Problem
 from sbam.planning.settings import PlanSettings
 from sbam.planning.state import Carrying, RegionPoint, Workspace
-from sbam.planning.targets import pair_target, support_slide
+from sbam.planning.targets import pair_target, vector_shift
 from sbam.planning.task import Task
 from sbam.planning.terms import Closure, Damping, HumanLikeness, Resting, Similarity, Smoothness, Term
 from sbam.planning.weights import pair_weights
@@ -27,6 +27,13 @@ PAPER_DAMPING = {"cartesian": 1e-3, "cylindrical": 1e-3, "symbolic": 1e-4}
 
 
 DEFAULT_HUMAN_LIKENESS = 1.0  # lambda_h of robots whose arms are like a person's
+
+
+def human_likeness_weight(robot: Robot, settings: PlanSettings) -> float:
+    """lambda_h for a robot: as set, else the default for robots whose arms are like a person's and 0 for others."""
+    if settings.human_likeness is not None:
+        return settings.human_likeness
+    return DEFAULT_HUMAN_LIKENESS if robot.description.human_likeness else 0.0
 
 
 def build_problem(
@@ -62,9 +69,7 @@ def build_problem(
         else RegionPoint(-1, task.region_at_start(reference))
         for reference in references
     ]
-    weight = settings.human_likeness
-    if weight is None:
-        weight = DEFAULT_HUMAN_LIKENESS if robot.description.human_likeness else 0.0
+    weight = human_likeness_weight(robot, settings)
     posture = HumanLikenessPosture(robot) if weight > 0 else None
     workspace = Workspace(robot, carryings, points, posture.frames if posture else ())
     terms: list[Term] = [*_similarities(task, references, times, settings), _damping(task, times, settings)]
@@ -99,7 +104,7 @@ def _similarities(
                 first=np.array([index[change.pair.first] for change in changes]),
                 second=np.array([-1 if c.pair.second is None else index[c.pair.second] for c in changes]),
                 origin=np.array([task.region_at_start(change.pair.first) for change in changes]),
-                shift=np.array([support_slide(task, change, settings) for change in changes]),
+                shift=np.array([vector_shift(task, change) for change in changes]),
                 target=target,
                 weight=weight,
             )

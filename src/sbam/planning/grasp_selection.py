@@ -15,7 +15,7 @@ from sbam.errors import UnreachableError
 from sbam.planning.grasps import Grasp, candidate_grasps
 from sbam.planning.inverse_kinematics import solve_poses
 from sbam.planning.task import MovedObject, Task
-from sbam.robots import Robot
+from sbam.robots import HumanLikeness, Robot
 from sbam.robots.collision import CollisionModel
 
 Array = NDArray[np.float64]
@@ -27,6 +27,7 @@ LIMIT_MARGIN = 0.05  # rad: postures nearer to a limit rank lower
 EXAMINE = 48  # best grasps of each hand whose clearance is measured
 KEEP = 12  # best grasps of each hand that are combined
 COMBINATIONS = 60  # best combinations whose clearance is measured
+HUMAN = 2.0  # score per unit of the weighted t_h
 COMFORTABLE = 0.03  # m: more clearance than this is not better
 
 
@@ -46,7 +47,13 @@ class FollowedGrasp:
 
 
 def follow_grasps(
-    robot: Robot, collision: CollisionModel, moved: MovedObject, hand: Hand, poses: RigidTransform, seed: int = 0
+    robot: Robot,
+    collision: CollisionModel,
+    moved: MovedObject,
+    hand: Hand,
+    poses: RigidTransform,
+    seed: int = 0,
+    human_likeness: float = 0.0,
 ) -> list[FollowedGrasp]:
     """All candidate grasps of one hand that work at every checkpoint, best first.
 
@@ -60,6 +67,7 @@ def follow_grasps(
         hand: the hand.
         poses: M poses of the object at the checkpoints, agent frame, in order of time.
         seed: of the random starts.
+        human_likeness: weight of the posture's distance from a person's.
 
     Raises:
         UnreachableError: if none works; says which checkpoint and how near the best came.
@@ -73,7 +81,9 @@ def follow_grasps(
     hardest = int(np.argmax((poses.rotation * moved.start.rotation.inv()).magnitude()))
 
     q, reached, nearest = _at_hardest(robot, hand, position[:, hardest], rotation[:, hardest], seed)
-    rank = np.where(reached, _limit_cost(robot, q, joints) + 0.1 * np.abs(q - robot.home)[..., joints].max(-1), np.inf)
+    posture = _Posture(robot, hand, human_likeness)
+    cost = _limit_cost(robot, q, joints) + 0.1 * np.abs(q - robot.home)[..., joints].max(-1) + posture.cost(q)
+    rank = np.where(reached, cost, np.inf)
     works: NDArray[np.bool_] = np.asarray(reached.any(axis=1))
     path = np.empty((count, checkpoints, q.shape[-1]))
     path[:, hardest] = q[np.arange(count), rank.argmin(axis=1)]
@@ -98,12 +108,36 @@ def follow_grasps(
         missed = f" (the nearest misses by {1e3 * nearest:.0f} mm)" if not reached.any() else ""
         raise UnreachableError(
             f"{robot.name}'s {hand} hand can hold {moved.name!r} with none of {count} grasps through the whole action; "
-            f"most fail {where}{missed}; move the robot or the objects"
+            f"most fail {where}{missed}; `sbam reach` says where the robot or the objects would have to be"
         )
     return sorted(
-        (FollowedGrasp(grasps[g], path[g], _score(robot, grasps[g], path[g], joints)) for g in np.flatnonzero(works)),
+        (
+            FollowedGrasp(
+                grasps[g], path[g], _score(robot, grasps[g], path[g], joints) + float(posture.cost(path[g]).mean())
+            )
+            for g in np.flatnonzero(works)
+        ),
         key=lambda followed: followed.score,
     )
+
+
+class _Posture:
+    """What an arm's distance from a person's posture adds to a score."""
+
+    def __init__(self, robot: Robot, hand: Hand, weight: float) -> None:
+        self._robot, self._weight = robot, weight
+        self._arm = list(robot.arms).index(hand)
+        self._human = HumanLikeness(robot) if weight > 0.0 else None
+
+    def cost(self, configurations: Array) -> Array:
+        """(...) of configurations (..., n)."""
+        shape = configurations.shape[:-1]
+        if self._human is None:
+            return np.zeros(shape)
+        flat = configurations.reshape(-1, configurations.shape[-1])
+        residual = self._human.residual(self._robot.kinematics(flat, self._human.frames))
+        own = residual.reshape(len(flat), len(self._robot.arms), -1)[:, self._arm]
+        return HUMAN * self._weight * 0.5 * np.square(own).sum(axis=1).reshape(shape)
 
 
 def _at_hardest(
@@ -167,7 +201,12 @@ def _score(robot: Robot, grasp: Grasp, path: Array, joints: NDArray[np.int_]) ->
 
 
 def choose_grasps(
-    task: Task, robot: Robot, collision: CollisionModel, poses: Mapping[str, RigidTransform], seed: int = 0
+    task: Task,
+    robot: Robot,
+    collision: CollisionModel,
+    poses: Mapping[str, RigidTransform],
+    seed: int = 0,
+    human_likeness: float = 0.0,
 ) -> list[dict[tuple[str, Hand], FollowedGrasp]]:
     """Combinations of grasps for all hands, best first.
 
@@ -180,6 +219,7 @@ def choose_grasps(
         collision: shapes of the robot and the scene's objects.
         poses: role -> M poses at the checkpoints, agent frame.
         seed: of the random starts.
+        human_likeness: lambda_h, by which grasps are preferred that let the arm take a person's posture.
 
     Returns:
         (role, hand) -> grasp, at most `COMBINATIONS` of them.
@@ -190,7 +230,7 @@ def choose_grasps(
     keys: list[tuple[MovedObject, Hand]] = [(moved, hand) for moved in task.moved for hand in moved.hands]
     options = []
     for moved, hand in keys:
-        followed = follow_grasps(robot, collision, moved, hand, poses[moved.role], seed)[:EXAMINE]
+        followed = follow_grasps(robot, collision, moved, hand, poses[moved.role], seed, human_likeness)[:EXAMINE]
         joints = robot.frame_joints(robot.arms[hand].tcp_frame)
         configurations = np.array([np.where(joints, item.configurations, robot.home) for item in followed])
         clearance = _clearances(task, collision, configurations, poses, ("self", "arm-support", "arm-object"))

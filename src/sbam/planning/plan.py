@@ -14,7 +14,7 @@ from sbam.demonstrations.demonstration import Hand
 from sbam.errors import TrajectoryError, UnreachableError
 from sbam.learning.model import ActionModel
 from sbam.planning.avoidance import keep_clear
-from sbam.planning.build import build_problem
+from sbam.planning.build import build_problem, human_likeness_weight
 from sbam.planning.checks import Check, check_receivers, failed
 from sbam.planning.execution import execute, phase_times
 from sbam.planning.free_flight import solve_free_flight
@@ -136,7 +136,8 @@ def plan(
     best: Plan | None = None
     trouble: UnreachableError | TrajectoryError | None = None
     collision = collision_model(task, robot)
-    combinations = choose_grasps(task, robot, collision, at_checkpoints, settings.seed)
+    weight = human_likeness_weight(robot, settings)
+    combinations = choose_grasps(task, robot, collision, at_checkpoints, settings.seed, weight)
     # The paper's solver takes a minute each time, and its faults do not come from the grasps.
     for chosen in _in_turn(combinations, ATTEMPTS if settings.solver == "default" else 1):
         try:
