@@ -29,6 +29,7 @@ if TYPE_CHECKING:  # what type checkers and editors see; at run time each room o
     from sbam.learning.model import ActionModel
     from sbam.learning.model_file import load_model, save_model
     from sbam.learning.settings import LearningSettings
+    from sbam.planning.base_search import search_base
     from sbam.planning.plan import Plan, plan
     from sbam.planning.settings import PlanSettings
     from sbam.planning.trajectory import JointTrajectory
@@ -62,6 +63,7 @@ _HOME = {
     # planning
     "load_robot": "sbam.robots.registry",
     "plan": "sbam.planning.plan",
+    "search_base": "sbam.planning.base_search",
     "Robot": "sbam.robots.robot",
     "Plan": "sbam.planning.plan",
     "PlanSettings": "sbam.planning.settings",
@@ -99,6 +101,7 @@ __all__ = [
     "save_model",
     "save_scene",
     "scene_from_demonstration",
+    "search_base",
     "simulate",
     "view",
     "write_demonstration",

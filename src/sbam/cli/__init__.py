@@ -17,6 +17,7 @@ from sbam.cli.demo import Demo
 from sbam.cli.evaluate import Evaluate
 from sbam.cli.learn import Learn
 from sbam.cli.plan import Plan
+from sbam.cli.reach import Reach
 from sbam.cli.show import Show
 from sbam.cli.simulate import Simulate
 from sbam.console.running import run
@@ -28,6 +29,7 @@ app.command(name="learn")(Learn)
 app.command(name="add")(Add)
 app.command(name="show")(Show)
 app.command(name="plan")(Plan)
+app.command(name="reach")(Reach)
 app.command(name="simulate")(Simulate)
 app.command(name="evaluate")(Evaluate)
 app.command(name="demo")(Demo)

@@ -189,9 +189,9 @@ def plot_scene_path(plan: Plan) -> Figure:
         start = plan.task.T_agent_object[name]
         poses = plan.T_agent_object[moved[name]] if name in moved else None
         for axes, plane in views:
-            _draw_outline(axes, model, start, plane, GREY if model.movable else LIGHT, "-")
+            draw_outline(axes, model, start, plane, GREY if model.movable else LIGHT, "-")
             if poses is not None:
-                _draw_outline(axes, model, poses[-1], plane, GREY, "--")
+                draw_outline(axes, model, poses[-1], plane, GREY, "--")
     rows = _thinned(len(plan.clock))
     for color, (label, path) in zip(_cycle(), _paths(plan, rows), strict=False):
         for axes, (right, up) in views:
@@ -250,10 +250,10 @@ def _cycle() -> Iterator[str]:
         yield from PATH_COLORS
 
 
-def _draw_outline(
+def draw_outline(
     axes: Axes, model: ObjectModel, pose: RigidTransform, plane: tuple[int, int], color: str, style: str
 ) -> None:
-    """Outlines of an object's primitives, seen along the third axis."""
+    """Draw the outlines of an object's primitives, seen along the third axis, in mm."""
     from scipy.spatial import ConvexHull
 
     for primitive in model.geometry:
