@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.robots.collision_pairs import hand_bodies
+from sbam.robots.composition import OBJECT_PREFIX
 from sbam.robots.description import ArmName
+from sbam.robots.jacobian import point_jacobian
 from sbam.robots.robot import Robot
 from sbam.simulation.action import Arms
 
@@ -20,6 +22,7 @@ Array = NDArray[np.float64]
 
 BANDWIDTH = 60.0  # rad/s: of a joint's critically damped position control
 FINGER_FORCE = 40.0  # N
+LOAD_PERIOD = 0.02  # s between moments at which the held weight is computed
 
 
 def finger_joints(robot: Robot, hand: ArmName) -> tuple[str, ...]:
@@ -50,7 +53,7 @@ def add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
 
 
 class MotorControl:
-    """Commands of all servos over time: positions with velocity feed-forward.
+    """Commands of all servos over time: positions with feed-forward of velocity and of the weight that is held.
 
     The stiffness of each joint follows from its inertia at the start and `BANDWIDTH`.
     """
@@ -76,7 +79,7 @@ class MotorControl:
         mujoco.mj_fullM(model, data, mass)
         inertia = np.diag(mass)[self._dof]
         stiffness, self._damping = inertia * BANDWIDTH**2, 2.0 * inertia * BANDWIDTH
-        self._lead = self._damping / stiffness
+        self._lead, self._compliance = self._damping / stiffness, 1.0 / stiffness
         model.actuator_gainprm[:, 0] = stiffness
         model.actuator_biasprm[:, 1], model.actuator_biasprm[:, 2] = -stiffness, -self._damping
 
@@ -102,7 +105,27 @@ class MotorControl:
     def commands(self, times: Array) -> Array:
         """Control inputs (B, motors) at times (B,), s."""
         position, velocity = self.wanted(times)
-        return position + self._lead * velocity
+        return position + self._lead * velocity + self._compliance * self._load(times)
+
+    def _load(self, times: Array) -> Array:
+        """Torques (B, motors) that bear the weight of what is held, shared by its hands, Nm or N."""
+        robot, grips, trajectory = self._arms.robot, self._arms.grips, self._arms.trajectory
+        torque = np.zeros((len(times), len(self._rest)))
+        moments = np.arange(0.0, trajectory.duration + LOAD_PERIOD, LOAD_PERIOD)
+        configurations = self.wanted(moments)[0][:, self.planned]
+        for grip in grips:
+            tcp = robot.arms[grip.hand].tcp_frame
+            kinematics = robot.kinematics(configurations, [tcp])
+            body = self._model.body(OBJECT_PREFIX + grip.object)
+            T_tcp_object = grip.T_object_tcp.inv()
+            center = kinematics.position[:, 0] + kinematics.rotation[:, 0] @ T_tcp_object.apply(body.ipos)
+            jacobian = point_jacobian(kinematics, center, robot.frame_joints(tcp))
+            hands = sum(other.object == grip.object for other in grips)
+            weight = -self._model.opt.gravity * float(body.mass[0]) / hands
+            held = (times >= grip.start) & (times <= grip.end)
+            for motor, column in zip(self.planned, (weight @ jacobian).T, strict=True):
+                torque[held, motor] += np.interp(times[held], moments, column)
+        return torque
 
     def tracking_error(self, data: mujoco.MjData, wanted: Array) -> Array:
         """Measured minus commanded positions of the planned joints, rad or m."""

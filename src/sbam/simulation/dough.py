@@ -105,6 +105,7 @@ def add_dough(spec: mujoco.MjSpec, dough: Dough) -> None:
     for index, (x, y) in enumerate(dough.grid):
         top = dough.T_world_dough.apply([x, y, THICKNESS])
         body = spec.worldbody.add_body(name=f"dough/{index}", pos=top, quat=quaternion, gravcomp=1.0)
+        body.sleep = mujoco.mjtSleepPolicy.mjSLEEP_NEVER  # asleep it would not spring back within its limits
         body.add_joint(
             name=f"dough/{index}",
             type=mujoco.mjtJoint.mjJNT_SLIDE,

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 TIMESTEP = 0.002  # s
 CONTACT_TIME = 0.004  # s: time constant of a contact's spring, at least two steps
 DENSITY = 1000.0  # kg/m^3, of spheres: water
-FRICTION = 0.1  # of spheres
+FRICTION = 0.1  # of shells; spheres have none
 OBJECT_FRICTION = 0.8
 
 _LEFT, _RIGHT, _OBJECT, _SUPPORT, _PARTICLE, _SHELL, _FOOT, _DOUGH = (1 << bit for bit in range(8))
@@ -36,12 +36,16 @@ def physics_options(spec: mujoco.MjSpec) -> None:
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
     option.iterations, option.ls_iterations = 20, 10
+    option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP  # what stands still costs nothing
     spec.default.geom.solref = [CONTACT_TIME, 1.0]
     spec.default.geom.friction = [FRICTION, 0.001, 0.0001]
 
 
 def add_sphere(spec: mujoco.MjSpec, index: int, radius: float, contype: int, conaffinity: int) -> None:
-    """Add a sphere that moves freely, called ``particle/INDEX``."""
+    """Add a sphere that moves freely, called ``particle/INDEX``.
+
+    Its contacts have no friction, like a liquid's: a quarter of the equations, and a third of the time.
+    """
     import mujoco
 
     body = spec.worldbody.add_body(name=f"particle/{index}")
@@ -50,6 +54,8 @@ def add_sphere(spec: mujoco.MjSpec, index: int, radius: float, contype: int, con
         type=mujoco.mjtGeom.mjGEOM_SPHERE,
         size=[radius, 0.0, 0.0],
         density=DENSITY,
+        condim=1,
+        priority=1,
         contype=contype,
         conaffinity=conaffinity,
         rgba=[0.95, 0.55, 0.10, 1.0],
