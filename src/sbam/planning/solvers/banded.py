@@ -32,7 +32,7 @@ class DampedSystem:
         index = np.arange(joints)
         entries = model.diagonal[:, index, index]
         scale = np.maximum(entries, 1e-3 * entries.max(axis=1, initial=1e-12, keepdims=True))
-        diagonal, coupling = np.tril(model.diagonal), model.coupling
+        diagonal, coupling = model.diagonal * np.tri(joints), model.coupling
         diagonal[:, index, index] += damping * scale + 1e-9
         if not free.all():
             diagonal[~(free[:, :, None] & free[:, None, :])] = 0.0

@@ -142,9 +142,10 @@ def linearize(
         curvature: c, between 0 and 1.
     """
     count, joints = at.state.configurations.shape
-    diagonal, coupling = np.zeros((2, count, joints, joints))
     gradient = np.zeros((count, joints))
     linearized: list[Rows] = []
+    own_rows, previous_rows = _Product(), _Product()
+    coupled: list[Array] = []
     for index, (term, residual, norm) in enumerate(zip(problem.terms, at.residuals, at.norms, strict=True)):
         own = term.jacobian(at.state, smoothing).reshape(count, -1, joints)
         previous = None
@@ -152,32 +153,48 @@ def linearize(
             previous = term.previous_jacobian(at.state)[1:].reshape(count - 1, -1, joints)
         rows = Rows(residual, norm, own, previous)
         linearized.append(rows)
-        weighted, weighted_previous = own, previous
-        if norm is not None:
-            residual = residual / norm[..., None]
-            dual = None if duals is None else duals[index]
-            weighted = _weighted(own, norm, residual, dual, curvature)
-            if previous is not None:
-                later = None if dual is None else dual[1:]
-                weighted_previous = _weighted(previous, norm[1:], residual[1:], later, curvature)
-        own_t = np.swapaxes(own, 1, 2)
-        diagonal += own_t @ weighted
-        gradient += rows.pull(residual)
-        if previous is not None and weighted_previous is not None:
-            diagonal[:-1] += np.swapaxes(previous, 1, 2) @ weighted_previous
-            coupling[1:] += own_t[1:] @ weighted_previous
+        unit = residual if norm is None else residual / norm[..., None]
+        gradient += rows.pull(unit)
+        dual = duals[index] if duals is not None and curvature > 0.0 else None
+        own_rows.add(own, norm, unit, dual, curvature)
+        if previous is not None:
+            coupled += own_rows.left[-1 if dual is None else -2 :]
+            later = (None if norm is None else norm[1:], unit[1:], None if dual is None else dual[1:])
+            previous_rows.add(previous, *later, curvature)
+    diagonal = _stacked(own_rows.left).swapaxes(1, 2) @ _stacked(own_rows.right)
+    coupling = np.zeros((count, joints, joints))
+    if coupled:
+        before = _stacked(previous_rows.right)
+        diagonal[:-1] += _stacked(previous_rows.left).swapaxes(1, 2) @ before
+        coupling[1:] = _stacked([rows[1:] for rows in coupled]).swapaxes(1, 2) @ before
     return Linearization(diagonal, coupling, gradient, tuple(linearized))
 
 
-def _weighted(jacobian: Array, norm: Array, unit: Array, dual: Array | None, curvature: float) -> Array:
-    """(I - c (z u^T + u z^T) / 2) J / v, (K, G m, n)."""
-    count, groups, size = unit.shape
-    grouped = jacobian.reshape(count, groups, size, -1)
-    weighted = grouped / norm[..., None, None]
-    if dual is not None and curvature > 0.0:
-        pair = np.stack([dual, unit], axis=-2)
-        weighted -= 0.5 * curvature * (np.swapaxes(pair[..., ::-1, :], -1, -2) @ (pair @ weighted))
-    return weighted.reshape(jacobian.shape)
+class _Product:
+    """J^T W J of several terms as left^T right, rows one below the other."""
+
+    def __init__(self) -> None:
+        self.left: list[Array] = []
+        self.right: list[Array] = []
+
+    def add(self, jacobian: Array, norm: Array | None, unit: Array, dual: Array | None, c: float) -> None:
+        """Add a term with W = (I - c (z u^T + u z^T) / 2) / v, or I: the rows of J, and with z those of z^T J, u^T J."""
+        self.left.append(jacobian)
+        if norm is None:
+            self.right.append(jacobian)
+            return
+        count, groups, size = unit.shape
+        self.right.append(jacobian / np.repeat(norm, size, axis=1)[..., None])
+        if dual is not None:
+            along = np.stack([dual, unit], axis=-2) @ jacobian.reshape(count, groups, size, -1)
+            opposite = along[..., ::-1, :] * (-0.5 * c / norm)[..., None, None]
+            self.left.append(along.reshape(count, 2 * groups, -1))
+            self.right.append(opposite.reshape(count, 2 * groups, -1))
+
+
+def _stacked(rows: Sequence[Array]) -> Array:
+    """(K, M, n) of rows (K, m, n) one below the other."""
+    return np.concatenate(rows, axis=1)
 
 
 def updated_duals(model: Linearization, step: Array, duals: Sequence[Array | None] | None) -> list[Array | None]:

@@ -46,16 +46,21 @@ class Resting(Term):
 
     def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
         """(K, O, 6) scaled pose differences, zero where the object may move."""
-        residual = _pose_residual(state.object_position, self.position, state.object_rotation, self.rotation)
-        return residual * self.resting[..., None]
+        still = self.resting
+        residual = np.zeros((*still.shape, 6))
+        residual[still] = _pose_residual(
+            state.object_position[still], self.position[still], state.object_rotation[still], self.rotation[still]
+        )
+        return residual
 
     def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
         """(K, O, 6, n)."""
-        inverse = left_jacobian_inverse(rotation_error(state.object_rotation, self.rotation))
-        jacobian = np.concatenate(
-            [state.object_jacobian / POSITION_SCALE, inverse @ state.object_rotation_jacobian / ROTATION_SCALE], axis=-2
-        )
-        return jacobian * self.resting[..., None, None]
+        still = self.resting
+        inverse = left_jacobian_inverse(rotation_error(state.object_rotation[still], self.rotation[still]))
+        jacobian = np.zeros((*still.shape, 6, state.configurations.shape[1]))
+        jacobian[still, :3] = state.object_jacobian[still] / POSITION_SCALE
+        jacobian[still, 3:] = inverse @ state.object_rotation_jacobian[still] / ROTATION_SCALE
+        return jacobian
 
     def groups(self) -> tuple[str, ...]:
         """The objects' roles."""

@@ -40,14 +40,19 @@ class Similarity(Term):
     target: Array
     weight: Array
 
+    def _incidence(self, state: State) -> Array:
+        """(P, R) matrix that takes region centres to vectors: 1 at each pair's first region, -1 at its second."""
+        incidence = np.zeros((len(self.pairs), len(state.workspace.regions)))
+        pairs = np.arange(len(self.pairs))
+        incidence[pairs, self.first] = 1.0
+        moving = self.second >= 0
+        incidence[pairs[moving], self.second[moving]] -= 1.0
+        return incidence
+
     def vector(self, state: State) -> Array:
         """(K, P, 3) vectors first - second, agent frame, m."""
-        positions = state.region_position
-        return (
-            positions[:, self.first]
-            + self.shift
-            - np.where(self.second[:, None] >= 0, positions[:, np.maximum(self.second, 0)], self.origin)
-        )
+        still = np.where(self.second[:, None] >= 0, 0.0, self.origin)
+        return self._incidence(state) @ state.region_position + (self.shift - still)
 
     def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
         """(K, P, m) residual of each pair."""
@@ -56,10 +61,9 @@ class Similarity(Term):
     def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
         """(K, P, m, n) by the chain rule through the pair's vector."""
         outer = self.constraint.residual_jacobian(self.vector(state), self.target, self.weight, delta_rho=smoothing.rho)
-        inner = state.region_jacobian[:, self.first]
-        moving = self.second >= 0
-        inner = inner - np.where(moving[:, None, None], state.region_jacobian[:, np.maximum(self.second, 0)], 0.0)
-        return outer @ inner
+        regions = state.region_jacobian
+        inner = self._incidence(state) @ regions.reshape(*regions.shape[:2], -1)
+        return outer @ inner.reshape(*inner.shape[:2], *regions.shape[2:])
 
     def groups(self) -> tuple[str, ...]:
         """The pairs' names."""

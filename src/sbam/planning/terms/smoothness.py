@@ -36,20 +36,17 @@ class Smoothness(Term):
         first = q[:1] if self.start is None else self.start[None]
         return self._scale * (q - np.concatenate([first, q[:-1]]))[:, None, :]
 
-    def _identity(self, state: State) -> Array:
-        count, joints = state.configurations.shape
-        return np.broadcast_to(self._scale * np.eye(joints), (count, 1, joints, joints)).copy()
-
     def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
         """(K, 1, n, n)."""
-        jacobian = self._identity(state)
-        if self.start is None:
-            jacobian[0] = 0.0
+        count, joints = state.configurations.shape
+        jacobian = np.zeros((count, 1, joints, joints))
+        jacobian[0 if self.start is not None else 1 :] = self._scale * np.eye(joints)
         return jacobian
 
     def previous_jacobian(self, state: State) -> Array:
         """(K, 1, n, n)."""
-        return -self._identity(state)
+        count, joints = state.configurations.shape
+        return np.broadcast_to(-self._scale * np.eye(joints), (count, 1, joints, joints))
 
     def groups(self) -> tuple[str, ...]:
         """One group."""
