@@ -178,7 +178,7 @@ class _Product:
         self.right: list[Array] = []
 
     def add(self, jacobian: Array, norm: Array | None, unit: Array, dual: Array | None, c: float) -> None:
-        """Add a term with W = (I - c (z u^T + u z^T) / 2) / v, or I: the rows of J, and with z those of z^T J, u^T J."""
+        """Add a term with W = (I - c (z u^T + u z^T) / 2) / v, or I: rows J, and with z also z^T J and u^T J."""
         self.left.append(jacobian)
         if norm is None:
             self.right.append(jacobian)
