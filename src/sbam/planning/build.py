@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 PAPER_DAMPING = {"cartesian": 1e-3, "cylindrical": 1e-3, "symbolic": 1e-4}
 
 
-DEFAULT_HUMAN_LIKENESS = 1.0  # lambda_h of robots whose arms are like a person's
+DEFAULT_HUMAN_LIKENESS = 3.0  # lambda_h of robots whose arms are like a person's
 
 
 def human_likeness_weight(robot: Robot, settings: PlanSettings) -> float:

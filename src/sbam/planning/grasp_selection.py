@@ -25,9 +25,11 @@ RANDOM_STARTS = 4  # starts anywhere within the limits
 ENOUGH = 100  # grasps that work; random starts are not spent on the others then
 LIMIT_MARGIN = 0.05  # rad: postures nearer to a limit rank lower
 EXAMINE = 48  # best grasps of each hand whose clearance is measured
-KEEP = 12  # best grasps of each hand that are combined
-COMBINATIONS = 60  # best combinations whose clearance is measured
-HUMAN = 2.0  # score per unit of the weighted t_h
+KEEP = 24  # best grasps of each hand that are combined
+COMBINATIONS = 60  # combinations whose clearance is measured at once, the best first
+MOST = 4  # times that
+ENOUGH_CLEAR = 6  # combinations that keep clear; more are not looked for
+HUMAN = 0.7  # score per unit of the weighted t_h
 COMFORTABLE = 0.03  # m: more clearance than this is not better
 
 
@@ -222,7 +224,7 @@ def choose_grasps(
         human_likeness: lambda_h, by which grasps are preferred that let the arm take a person's posture.
 
     Returns:
-        (role, hand) -> grasp, at most `COMBINATIONS` of them.
+        (role, hand) -> grasp, the best `COMBINATIONS` of them.
 
     Raises:
         UnreachableError: if a hand finds no grasp.
@@ -236,17 +238,34 @@ def choose_grasps(
         clearance = _clearances(task, collision, configurations, poses, ("self", "arm-support", "arm-object"))
         scored = [replace(item, score=item.score + _penalty(c)) for item, c in zip(followed, clearance, strict=True)]
         options.append(sorted(scored, key=lambda item: item.score)[:KEEP])
-    combinations = sorted(product(*options), key=lambda items: sum(item.score for item in items))[:COMBINATIONS]
-    if len(keys) > 1:
-        configurations = np.array([_merged(robot, keys, items) for items in combinations])
-        clearance = _clearances(task, collision, configurations, poses, ("arm-arm",))
-        totals = [
-            sum(item.score for item in items) + _penalty(c) for items, c in zip(combinations, clearance, strict=True)
-        ]
-        combinations = [combinations[i] for i in np.argsort(totals)]
+    combinations = sorted(product(*options), key=lambda items: sum(item.score for item in items))
+    if len(keys) == 1:
+        combinations = combinations[:COMBINATIONS]
+    else:
+        combinations = _by_arms_clearance(task, robot, collision, keys, combinations, poses)
     return [
         {(moved.role, hand): item for (moved, hand), item in zip(keys, items, strict=True)} for items in combinations
     ]
+
+
+def _by_arms_clearance(
+    task: Task,
+    robot: Robot,
+    collision: CollisionModel,
+    keys: Sequence[tuple[MovedObject, Hand]],
+    combinations: Sequence[tuple[FollowedGrasp, ...]],
+    poses: Mapping[str, RigidTransform],
+) -> list[tuple[FollowedGrasp, ...]]:
+    """The combinations ranked with the clearance between the arms; goes on until enough of them keep clear."""
+    scores: list[float] = []
+    clear = 0
+    while clear < ENOUGH_CLEAR and len(scores) < min(len(combinations), MOST * COMBINATIONS):
+        some = combinations[len(scores) : len(scores) + COMBINATIONS]
+        configurations = np.array([_merged(robot, keys, items) for items in some])
+        clearance = _clearances(task, collision, configurations, poses, ("arm-arm",))
+        scores += [sum(i.score for i in items) + _penalty(c) for items, c in zip(some, clearance, strict=True)]
+        clear += int((clearance >= 0.0).sum())
+    return [combinations[i] for i in np.argsort(scores)[:COMBINATIONS]]
 
 
 def _merged(robot: Robot, keys: Sequence[tuple[MovedObject, Hand]], items: Sequence[FollowedGrasp]) -> Array:

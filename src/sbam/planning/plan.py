@@ -37,7 +37,7 @@ from sbam.scene import Scene
 Array = NDArray[np.float64]
 
 CHECKPOINTS = 20  # keypoints at which grasps are tried
-ATTEMPTS = 6  # combinations of grasps that are carried through to a trajectory before giving up
+ATTEMPTS = 8  # combinations of grasps that are carried through to a trajectory before giving up
 DEFAULT_ROBOT = "panda_dual"
 
 
