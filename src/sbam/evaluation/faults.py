@@ -1,0 +1,59 @@
+"""Measures of the two faults that the paper reports of its executions (section IV-C).
+
+An abrupt move at the end, where deviations are large and nothing holds the objects to a path; and a carton that is
+tilted while its spout is not over the cup.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.evaluation.executed_motion import ObjectMotion
+from sbam.evaluation.task_geometry import POUR_TILT, region_path
+from sbam.planning.object_path import acting_point
+
+Array = NDArray[np.float64]
+
+LAST_INTERVALS = 2
+
+
+def measure_faults(
+    motion: ObjectMotion, pour_from: str = "pour_from", pour_into: str = "pour_into"
+) -> dict[str, float]:
+    """The two faults, at the speed of the demonstrations: how far a robot's limits stretch time does not count.
+
+    Args:
+        motion: a plan, or another motion of the objects.
+        pour_from: role of what is poured from; without it in the task only speeds are measured.
+        pour_into: role of what is poured into.
+
+    Returns:
+        Name with unit -> value: ``largest speed at the end [mm/s]`` of any object's acting region between the last
+        three keypoints, ``largest speed before [mm/s]``, and ``tilted beside the cup for [s]``: beyond 60 degrees with
+        the mouth farther aside than the rim of the cup.
+    """
+    task, clock = motion.task, motion.clock
+    begin = task.model.keypoint_times[-1 - LAST_INTERVALS]
+    at_end, before = [0.0], [0.0]
+    for moved in task.moved:
+        speed, when = _speed(clock, motion.T_agent_object[moved.role].apply(acting_point(task, moved)))
+        at_end.append(float(speed[when >= begin].max(initial=0.0)))
+        before.append(float(speed[when < begin].max(initial=0.0)))
+    values = {"largest speed at the end [mm/s]": 1e3 * max(at_end), "largest speed before [mm/s]": 1e3 * max(before)}
+    if {pour_from, pour_into} <= set(task.binding):
+        bottle, cup = (task.scene.objects[task.binding[role]] for role in (pour_from, pour_into))
+        upright = motion.T_agent_object[pour_from].rotation.apply(bottle.up)[:, 2]
+        offset = region_path(motion, pour_from, "pour from") - region_path(motion, pour_into, "pour into")
+        beside = np.hypot(offset[:, 0], offset[:, 1]) > cup.region("pour into").half_axes.min()
+        wrong = (upright < np.cos(POUR_TILT)) & beside
+        values["tilted beside the cup for [s]"] = float((np.gradient(clock) * wrong).sum())
+    return values
+
+
+def _speed(clock: Array, path: Array) -> tuple[Array, Array]:
+    """Speeds (N - 1,) m/s between samples of a path (N, 3), and when they occur, (N - 1,) s."""
+    step = np.diff(clock)
+    moving = step > 1e-9
+    speed = np.linalg.norm(np.diff(path, axis=0)[moving], axis=1) / step[moving]
+    return speed, 0.5 * (clock[1:] + clock[:-1])[moving]
