@@ -110,79 +110,96 @@ def _at_region(
 ) -> list[Grasp]:
     has_palm = robot.arms[hand].hand.has_palm
     axis = moved.start.rotation.apply(region.axis)
-    human = _human_azimuths(moved, hand, region)
     directions = _palm_directions(moved, hand, region, axis) if has_palm else _directions(moved, region, axis)
-    grasps = []
+    if not directions:
+        return []
+    azimuth, tilt = np.array([row[0] for row in directions]), np.array([row[1] for row in directions])
+    approach, across = np.array([row[2] for row in directions]), np.array([row[3] for row in directions])
+    rotation = _tcp_rotations(robot, hand, approach, across)
     heights = HEIGHTS if region.kind == "around" or has_palm else (0.0,)
-    for height in PALM_HEIGHTS if region.kind == "around" and has_palm else heights:
-        center = moved.start.apply(region.center + height * region.half_length * region.axis)
-        depths: dict[float, float | None] = {}
-        for azimuth, tilt, approach, across in directions:
-            rotation = _tcp_rotation(robot, hand, approach, across)
-            if tilt not in depths:  # round objects and faces look alike from every azimuth
-                depths[tilt] = _depth(robot, collision, moved, hand, center, approach, rotation)
-            depth = depths[tilt]
-            if depth is None:
-                continue
-            distance = float(np.abs(_wrap(azimuth - human)).min(initial=np.pi)) if len(human) else 0.0
-            for flipped in (False,) if has_palm else (False, True):
-                turned = _tcp_rotation(robot, hand, approach, -across) if flipped else rotation
-                T_agent_tcp = RigidTransform.from_components(center - depth * approach, turned)
-                grasps.append(
-                    Grasp(
-                        role=moved.role,
-                        hand=hand,
-                        region=region.name,
-                        T_object_tcp=moved.start.inv() * T_agent_tcp,
-                        azimuth=azimuth,
-                        depth=depth,
-                        tilt=tilt,
-                        flipped=flipped,
-                        width=region.width,
-                        human_distance=distance,
-                    )
-                )
-    if has_palm:  # where something keeps the palm away from the region the fingers would close around nothing
-        nearest = min((grasp.depth for grasp in grasps), default=0.0)
-        grasps = [grasp for grasp in grasps if grasp.depth <= nearest + LAID_ON]
-    return grasps
+    heights = np.array(PALM_HEIGHTS if region.kind == "around" and has_palm else heights)
+    centers = moved.start.apply(region.center + heights[:, None] * region.half_length * region.axis)
+    # Round objects and faces look alike from every azimuth: one direction for each tilt will do.
+    tilts, first, alike = np.unique(tilt, return_index=True, return_inverse=True)
+    at = np.repeat(centers, len(tilts), axis=0), np.tile(first, len(centers))
+    depths = _depths(robot, collision, moved, hand, at[0], approach[at[1]], rotation[at[1]])
+    depth = depths.reshape(len(centers), len(tilts))[:, alike]  # (heights, directions)
+    turns = rotation[:, None] if has_palm else np.stack([rotation, _tcp_rotations(robot, hand, approach, -across)], 1)
+    height, direction, flipped = np.nonzero(
+        np.broadcast_to(np.isfinite(depth)[..., None], (*depth.shape, turns.shape[1]))
+    )
+    found = depth[height, direction]
+    T_agent_tcp = RigidTransform.from_components(
+        centers[height] - found[:, None] * approach[direction], Rotation.from_matrix(turns[direction, flipped])
+    )
+    T_object_tcp = moved.start.inv() * T_agent_tcp
+    human = _human_azimuths(moved, hand, region)
+    distance = np.abs(_wrap(azimuth[:, None] - human)).min(axis=1) if len(human) else np.zeros(len(azimuth))
+    # Where something keeps a palm away from the region the fingers would close around nothing.
+    farthest = found.min(initial=np.inf) + LAID_ON if has_palm else np.inf
+    return [
+        Grasp(
+            role=moved.role,
+            hand=hand,
+            region=region.name,
+            T_object_tcp=T_object_tcp[i],
+            azimuth=float(azimuth[direction[i]]),
+            depth=float(found[i]),
+            tilt=float(tilt[direction[i]]),
+            flipped=bool(flipped[i]),
+            width=region.width,
+            human_distance=float(distance[direction[i]]),
+        )
+        for i in np.flatnonzero(found <= farthest)
+    ]
 
 
-def _depth(
+def _depths(
     robot: Robot,
     collision: CollisionModel,
     moved: MovedObject,
     hand: Hand,
     center: Array,
     approach: Array,
-    rotation: Rotation,
-) -> float | None:
-    """How far the TCP must stay short of the axis so that only fingers touch the object; None if no depth will do.
+    rotation: Array,
+) -> Array:
+    """How far the TCP must stay short of the axis so that only fingers touch the object; infinite if no depth will do.
 
     Of a hand with a palm nothing may reach into the object: its fingers are stretched.
+
+    Args:
+        robot: the robot.
+        collision: shapes of the robot and the scene's objects.
+        moved: the object, standing at its start.
+        hand: the hand.
+        center: (N, 3) on the axis, agent frame, m.
+        approach: (N, 3) directions of approach.
+        rotation: (N, 3, 3) orientations of the TCP.
+
+    Returns:
+        (N,) m.
     """
     has_palm = robot.arms[hand].hand.has_palm
-    depths = PALM_DEPTHS if has_palm else DEPTHS
+    depths = np.array(PALM_DEPTHS if has_palm else DEPTHS)
     home = robot.clip(robot.home)
     frame = robot.kinematics(home[None], [robot.arms[hand].tcp_frame])
     T_agent_home = RigidTransform.from_components(frame.position[0, 0], Rotation.from_matrix(frame.rotation[0, 0]))
-    centers = center - np.array(depths)[:, None] * approach
-    T_agent_tcp = RigidTransform.from_components(centers, rotation)
+    samples = len(center) * len(depths)
+    T_agent_tcp = RigidTransform.from_components(
+        (center[:, None] - depths[:, None] * approach[:, None]).reshape(samples, 3),
+        Rotation.from_matrix(np.repeat(rotation, len(depths), axis=0)),
+    )
     # The arm stays at home and the object comes to the hand, everything else far away.
     away = RigidTransform.from_translation([0.0, 0.0, -100.0])
     objects = dict.fromkeys(collision.shapes.objects, away)
     objects[moved.name] = T_agent_home * T_agent_tcp.inv() * moved.start
-    held: dict[tuple[str, Hand], NDArray[np.bool_]] = {
-        (moved.name, hand): np.full(len(depths), not has_palm, dtype=bool)
-    }
-    near = collision.near(np.tile(home, (len(depths), 1)), objects, held, margin=PALM_CLEARANCE)
+    held: dict[tuple[str, Hand], NDArray[np.bool_]] = {(moved.name, hand): np.full(samples, not has_palm, dtype=bool)}
+    near = collision.near(np.tile(home, (samples, 1)), objects, held, margin=PALM_CLEARANCE)
     own = set(hand_bodies(robot, hand))
-    touching = {
-        int(sample)
-        for sample, first, second in zip(near.sample, near.first, near.second, strict=True)
-        if moved.name in (first, second) and own & {first, second}
-    }
-    return next((depth for i, depth in enumerate(depths) if i not in touching), None)
+    touching = np.zeros(samples, dtype=bool)
+    for sample, first, second in zip(near.sample, near.first, near.second, strict=True):
+        touching[sample] |= moved.name in (first, second) and bool(own & {first, second})
+    return np.where(touching, np.inf, np.tile(depths, len(center))).reshape(len(center), -1).min(axis=1)
 
 
 def _directions(moved: MovedObject, region: GraspRegion, axis: Array) -> list[tuple[float, float, Array, Array]]:
@@ -261,13 +278,13 @@ def _azimuths(moved: MovedObject, region: GraspRegion, axis: Array) -> Array:
     return _wrap(first + 2 * np.pi * np.arange(region.faces) / region.faces)
 
 
-def _tcp_rotation(robot: Robot, hand: Hand, approach: Array, opening: Array) -> Rotation:
-    """Orientation of a TCP whose approach and opening directions point as wanted."""
+def _tcp_rotations(robot: Robot, hand: Hand, approach: Array, opening: Array) -> Array:
+    """Orientations (N, 3, 3) of a TCP whose approach and opening directions (N, 3) point as wanted."""
     description = robot.arms[hand].hand
     own_approach, own_opening = np.array(description.approach), np.array(description.across)
     own = np.column_stack([np.cross(own_opening, own_approach), own_opening, own_approach])
-    wanted = np.column_stack([np.cross(opening, approach), opening, approach])
-    return Rotation.from_matrix(wanted @ own.T)
+    wanted = np.stack([np.cross(opening, approach), opening, approach], axis=-1)
+    return wanted @ own.T
 
 
 def _human_azimuths(moved: MovedObject, hand: Hand, region: GraspRegion) -> Array:
