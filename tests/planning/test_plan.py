@@ -68,7 +68,7 @@ def test_the_same_again(model_of, rolling_plan):
     for field in ("time", "position", "velocity", "acceleration"):
         np.testing.assert_array_equal(getattr(again.trajectory, field), getattr(rolling_plan.trajectory, field))
     assert again.checks == rolling_plan.checks
-    assert {"bind", "free flight", "grasps", "keypoints", "motion", "timing", "checks"} == set(stages)
+    assert {"bind", "free flight", "grasps", "keypoints", "motion", "avoidance", "timing", "checks"} == set(stages)
     assert set(again.seconds) == set(stages)
 
 
