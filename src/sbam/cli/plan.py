@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import Positional, arg
 
@@ -46,6 +46,9 @@ class Plan(VerbOptions):
     human_likeness: Annotated[
         float | None, arg(metavar="WEIGHT", help="Weight of human-like postures; default: the robot's.")
     ] = None
+    posture: Annotated[
+        Literal["directions", "joints"], arg(help="What is compared with a person: arms, or ARMAR's joints.")
+    ] = "directions"
     clearance: Annotated[float, arg(help="Distance to keep from what is not touched on purpose, m.")] = 0.0
     speed: Annotated[float, arg(help="Share of the robot's velocity limits, above 0 to 1.")] = 0.5
     seed: Annotated[int, arg(help="Seed of the random starts.")] = 0
@@ -73,6 +76,7 @@ class Plan(VerbOptions):
         settings = sbam.PlanSettings(
             solver=self.solver,
             human_likeness=self.human_likeness,
+            posture=self.posture,
             clearance=self.clearance,
             speed=self.speed,
             seed=self.seed,

@@ -15,10 +15,11 @@ from sbam.planning.settings import PlanSettings
 from sbam.planning.state import Carrying, RegionPoint, Workspace
 from sbam.planning.targets import pair_target, vector_shift
 from sbam.planning.task import Task
-from sbam.planning.terms import Closure, Damping, HumanLikeness, Resting, Similarity, Smoothness, Term
+from sbam.planning.terms import Closure, Damping, HumanLikeness, NaturalJoints, Resting, Similarity, Smoothness, Term
 from sbam.planning.weights import pair_weights
 from sbam.robots import HumanLikeness as HumanLikenessPosture
 from sbam.robots import Robot
+from sbam.robots.natural_joints import NaturalJoints as NaturalJointsPosture
 
 Array = NDArray[np.float64]
 
@@ -70,10 +71,14 @@ def build_problem(
         for reference in references
     ]
     weight = human_likeness_weight(robot, settings)
-    posture = HumanLikenessPosture(robot) if weight > 0 else None
+    posture = (
+        (NaturalJointsPosture if settings.posture == "joints" else HumanLikenessPosture)(robot) if weight else None
+    )
     workspace = Workspace(robot, carryings, points, posture.frames if posture else ())
     terms: list[Term] = [*_similarities(task, references, times, settings), _damping(task, times, settings)]
-    if posture:
+    if isinstance(posture, NaturalJointsPosture):
+        terms.append(NaturalJoints(weight, posture, tuple(robot.arms)))
+    elif posture:
         terms.append(HumanLikeness(weight, posture))
     if task.model.mode == "default":
         terms.append(_resting(task, times))

@@ -8,7 +8,11 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
+from sbam.planning.build import human_likeness_weight
 from sbam.planning.plan import Plan
+from sbam.robots import HumanLikeness
+from sbam.robots.human_likeness import PERSON_SWIVEL_DEG
+from sbam.robots.natural_joints import NaturalJoints, has_natural_joints
 
 REPORT_VERSION = 1
 
@@ -81,6 +85,7 @@ def plan_report(plan: Plan) -> dict[str, Any]:
             for phase in plan.phases
         ],
         "keypoints": _keypoints(plan),
+        "human_likeness": _human_likeness(plan),
         "solver": {
             "name": solution.solver,
             "starts": solution.starts,
@@ -89,6 +94,32 @@ def plan_report(plan: Plan) -> dict[str, Any]:
         },
     }
     return plain(report)
+
+
+def _human_likeness(plan: Plan) -> dict[str, Any]:
+    """How natural the arms' postures are at every keypoint, for the weight that was planned with."""
+    robot, configurations = plan.robot, plan.solution.configurations
+    likeness = HumanLikeness(robot)
+    kinematics = robot.kinematics(configurations, likeness.frames)
+    deviation, swivel = likeness.deviation(kinematics), likeness.swivel(kinematics)
+    joint_form = None
+    if has_natural_joints(robot):
+        joints = NaturalJoints(robot)
+        joint_form = joints.value(robot.kinematics(configurations, joints.frames), configurations)
+    return {
+        "weight": human_likeness_weight(robot, plan.settings),
+        "arms": [
+            {
+                "arm": arm,
+                "upper_arm_deg": deviation[:, index, 0],
+                "forearm_deg": deviation[:, index, 1],
+                "swivel_deg": swivel[:, index],
+                "swivel_of_people_deg": PERSON_SWIVEL_DEG[arm],
+                "soa_q": None if joint_form is None else joint_form[:, index],
+            }
+            for index, arm in enumerate(robot.arms)
+        ],
+    }
 
 
 def _keypoints(plan: Plan) -> list[dict[str, Any]]:

@@ -9,6 +9,7 @@ from typing import Literal, get_args
 from sbam.errors import SettingsError
 
 Solver = Literal["default", "paper"]
+Posture = Literal["directions", "joints"]
 SAMPLE_RATES = (10.0, 10_000.0)  # Hz
 
 
@@ -20,6 +21,8 @@ class PlanSettings:
         solver: ``default`` (all keypoints at once) or ``paper`` (Nelder-Mead over end-effector poses, keypoint by
             keypoint, joints interpolated linearly).
         human_likeness: weight lambda_h of t_h; None takes the robot's default (0 where it says so).
+        posture: what t_h compares with a person's natural posture: ``directions`` of upper arm and forearm (any robot),
+            or ``joints``, SOA_q over the first five joints of arms like ARMAR's.
         damping: t_d in mode ``default``: constant weight, 1/m.
         smoothness: coefficient of the squared joint steps between keypoints, 1/rad^2.
         slide_supports: in mode ``default``, whether pairs against a support (``place onto``) start from wherever the
@@ -40,6 +43,7 @@ class PlanSettings:
 
     solver: Solver = "default"
     human_likeness: float | None = None
+    posture: Posture = "directions"
     damping: float = 10.0
     smoothness: float = 0.05
     slide_supports: bool = True
@@ -56,6 +60,8 @@ class PlanSettings:
         """Refuse what makes no sense, before it costs time or lets a trajectory pass that is too fast."""
         if self.solver not in get_args(Solver):
             raise SettingsError("solver", self.solver, " or ".join(map(repr, get_args(Solver))))
+        if self.posture not in get_args(Posture):
+            raise SettingsError("posture", self.posture, " or ".join(map(repr, get_args(Posture))))
         for name in ("damping", "smoothness", "proximity", "clearance", "margin", "human_likeness"):
             value = getattr(self, name)
             if value is not None and not (isfinite(value) and value >= 0.0):

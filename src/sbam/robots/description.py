@@ -133,6 +133,8 @@ class RobotDescription(_Struct, frozen=True):
         may_touch: pairs of bodies that are not compared in collision checks because they touch in many postures.
         without_collision: bodies whose shapes are left out of collision checks, such as boxes around a whole hand.
         human_likeness: whether the human-likeness term is on by default.
+        natural_joints: whether the arms have the joints of ARMAR-6 and ARMAR-7, in their order and with their signs,
+            for the joint form of human-likeness (`sbam.robots.natural_joints`).
         note: origin of the numbers.
         path: file it was read from.
         options: options that were given behind its name (`sbam.robots.options`).
@@ -149,6 +151,7 @@ class RobotDescription(_Struct, frozen=True):
     may_touch: tuple[tuple[str, str], ...] = ()
     without_collision: tuple[str, ...] = ()
     human_likeness: bool = False
+    natural_joints: bool = False
     note: str = ""
     path: str = ""
     options: dict[str, float] = {}

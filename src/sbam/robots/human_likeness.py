@@ -17,6 +17,9 @@ from sbam.robots.robot import Arm, Kinematics, Robot
 
 Floats = NDArray[np.float64]
 
+PERSON_SWIVEL_DEG = {"left": 36.0, "right": -49.0}
+"""Swivel angles of people who pour and roll, measured; see `HumanLikeness.swivel`."""
+
 PERSON_ARM_LENGTH = 0.645
 """Shoulder to grasping hand of a person of average stature with a straight arm, m."""
 
@@ -32,14 +35,14 @@ NATURAL_POSTURE = np.array(
 )
 
 
-def natural_directions(hand: Floats) -> tuple[Floats, Floats]:
-    """Natural directions of a person's right upper arm and forearm, and how they change with the hand.
+def natural_angles(hand: Floats) -> tuple[Floats, Floats]:
+    """Elevation and yaw of a person's right upper arm and forearm, and how they change with the hand.
 
     Args:
         hand: (B, 3) from the shoulder to the hand of a person; x right, y forward, z up; m.
 
     Returns:
-        Unit vectors (B, 2, 3): shoulder to elbow, elbow to wrist. Their derivatives (B, 2, 3, 3) by ``hand``, 1/m.
+        Angles (B, 2, 2) of upper arm and forearm, rad. Their derivatives (B, 2, 2, 3) by ``hand``, rad/m.
     """
     x, y, z = 100.0 * hand.T
     level = np.maximum(np.hypot(x, y), 1e-6)
@@ -53,7 +56,19 @@ def natural_directions(hand: Floats) -> tuple[Floats, Floats]:
     slopes[:, 2] = np.stack([y, -x, zero], axis=1) * (degrees / level**2)[:, None]
     slopes[:, 3] = np.stack([-x * z / level, -y * z / level, level], axis=1) * (degrees / distance**2)[:, None]
     angles = np.deg2rad(features @ NATURAL_POSTURE.T).reshape(-1, 2, 2)
-    angle_slopes = np.deg2rad(100.0 * (NATURAL_POSTURE @ slopes)).reshape(-1, 2, 2, 3)
+    return angles, np.deg2rad(100.0 * (NATURAL_POSTURE @ slopes)).reshape(-1, 2, 2, 3)
+
+
+def natural_directions(hand: Floats) -> tuple[Floats, Floats]:
+    """Natural directions of a person's right upper arm and forearm, and how they change with the hand.
+
+    Args:
+        hand: (B, 3) from the shoulder to the hand of a person; x right, y forward, z up; m.
+
+    Returns:
+        Unit vectors (B, 2, 3): shoulder to elbow, elbow to wrist. Their derivatives (B, 2, 3, 3) by ``hand``, 1/m.
+    """
+    angles, angle_slopes = natural_angles(hand)
     sine, cosine = np.sin(angles), np.cos(angles)
     rising, yaw_sine = sine[..., 0], sine[..., 1]
     upright, yaw_cosine = cosine[..., 0], cosine[..., 1]
@@ -129,6 +144,22 @@ class HumanLikeness:
             actual, natural = self._directions(kinematics, arm)[:2]
             sine = np.linalg.norm(np.cross(actual, natural), axis=-1)
             angles.append(np.rad2deg(np.arctan2(sine, np.einsum("bij,bij->bi", actual, natural))))
+        return np.stack(angles, axis=1)
+
+    def swivel(self, kinematics: Kinematics) -> Floats:
+        """(B, A) angle by which the elbow is turned about the line from shoulder to wrist, degrees.
+
+        0 where it hangs straight down; positive to the agent's left where the arm points forward: outwards for the left
+        arm, inwards for the right one. People have +36 (left) and -49 (right) when they pour and roll.
+        """
+        angles = []
+        for arm, _ in self._chains:
+            shoulder, elbow, wrist, _ = self._points(kinematics, arm).swapaxes(0, 1)
+            axis = (wrist - shoulder) / np.linalg.norm(wrist - shoulder, axis=1, keepdims=True)
+            upper, down = elbow - shoulder, np.broadcast_to([0.0, 0.0, -1.0], axis.shape)
+            sine = np.einsum("bi,bi->b", axis, np.cross(down, upper))
+            cosine = np.einsum("bi,bi->b", upper, down) - np.einsum("bi,bi->b", upper, axis) * (axis * down).sum(axis=1)
+            angles.append(np.rad2deg(np.arctan2(sine, cosine)))
         return np.stack(angles, axis=1)
 
     def _evaluate(self, kinematics: Kinematics, *, with_jacobian: bool) -> tuple[Floats, Floats | None]:

@@ -4,6 +4,7 @@ from sbam.planning.terms.base import EXACT, Smoothing, Term
 from sbam.planning.terms.clearance import Clearance
 from sbam.planning.terms.damping import Damping
 from sbam.planning.terms.human_likeness import HumanLikeness
+from sbam.planning.terms.natural_joints import NaturalJoints
 from sbam.planning.terms.requirements import Closure, Resting
 from sbam.planning.terms.similarity import Similarity
 from sbam.planning.terms.smoothness import Smoothness
@@ -14,6 +15,7 @@ __all__ = [
     "Closure",
     "Damping",
     "HumanLikeness",
+    "NaturalJoints",
     "Resting",
     "Similarity",
     "Smoothing",
