@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import Positional, arg
 
@@ -35,6 +35,10 @@ class Simulate(VerbOptions):
             help_behavior_hint="",
         ),
     ] = ()
+    grasp: Annotated[
+        Literal["weld", "contact"], arg(help="Objects are rigid in the hand (assumed), or held by the fingers.")
+    ] = "weld"
+    grasp_force: Annotated[float, arg(help="Of each finger that holds by contact, N.")] = 40.0
     video: Annotated[Path | None, arg(metavar="FILE", help="Also write a film (.mp4) or moments (.png).")] = None
     sweep: Annotated[
         Path | None,
@@ -50,14 +54,25 @@ class Simulate(VerbOptions):
         "symbolic",
     )
     modes: Annotated[tuple[Mode, ...], arg(help="How to learn and plan in a sweep.")] = ("default",)
+    paper_scenes: Annotated[
+        int | None, arg(metavar="COUNT", help="Fewer scenes for mode paper, which takes a minute a plan.")
+    ] = None
+    any_version: Annotated[bool, arg(help="Also take trials of a sweep that another version of sbam made.")] = False
     jobs: Annotated[int, arg(help="Processes of a sweep; -1 for one per core.")] = -1
+    cluster: Annotated[
+        str | None, arg(metavar="ADDRESS", help="Dask scheduler for a sweep, such as tcp://host:8786.")
+    ] = None
     objects: Objects = None
 
     def __post_init__(self) -> None:
         if (self.plan is None) == (self.sweep is None):
             raise usage_error("give the folder of a plan, or --sweep DIR")
-        if self.scenes < 1 or self.jobs == 0:
-            raise usage_error("--scenes must be 1 or more, and --jobs not 0")
+        if self.scenes < 1 or self.jobs == 0 or (self.paper_scenes or 1) < 1:
+            raise usage_error("--scenes and --paper-scenes must be 1 or more, and --jobs not 0")
+        if self.sweep and self.grasp != "weld":
+            raise usage_error("--grasp contact is for a plan, not for --sweep")
+        if not 0.0 < self.grasp_force < float("inf"):
+            raise usage_error(f"--grasp-force {self.grasp_force:g} is not above 0")
 
     def __call__(self) -> Report:
         from sbam.console.progress import counting, seconds
@@ -69,12 +84,31 @@ class Simulate(VerbOptions):
             tasks = (self.task,) if self.task else ("pouring", "rolling")
             with counting("trials") as trials:
                 return sweep(
-                    self.sweep, tasks, self.robots, self.constraints, self.modes, self.scenes, self.jobs, trials
+                    self.sweep,
+                    tasks,
+                    self.robots,
+                    self.constraints,
+                    self.modes,
+                    self.scenes,
+                    self.paper_scenes,
+                    self.jobs,
+                    self.cluster,
+                    self.any_version,
+                    trials,
                 )
         assert self.plan is not None
         library = library_of(self.objects)
         with seconds("simulating") as progress:
-            return simulate_folder(self.plan, self.task, self.demonstrations, self.video, library, progress)
+            return simulate_folder(
+                self.plan,
+                self.task,
+                self.demonstrations,
+                self.video,
+                library,
+                progress,
+                self.grasp,
+                self.grasp_force,
+            )
 
     def show(self, report: Report) -> Iterable[RenderableType]:
         from sbam.console.tables import simulation_lines, sweep_lines

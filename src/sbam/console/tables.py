@@ -150,6 +150,8 @@ def simulation_lines(report: Report) -> Iterator[RenderableType]:
     if report["tracking_error"]:
         error, torque = max(report["tracking_error"].values()), max(report["torque_ratio"].values())
         yield f"largest tracking error {error:.4f} rad, largest torque {torque:.2f} of its limit"
+    for key, slip in report["slip_m"].items():
+        yield f"slip, {key}: {1e3 * slip:.1f} mm and {report['slip_deg'][key]:.1f} degrees at most"
     yield "; ".join(report["assumptions"])
     yield from (f"note: {warning}" for warning in report["warnings"])
     yield (
@@ -161,8 +163,8 @@ def simulation_lines(report: Report) -> Iterator[RenderableType]:
 
 def sweep_lines(report: Report) -> Iterator[RenderableType]:
     """The table of `sbam.simulation.sweep.sweep`, and what failed."""
-    cells = report["cells"]
-    yield table("Random scenes in physics", tuple(cells[0]), (tuple(cell.values()) for cell in cells))
+    for title, cells in (("Scenes that succeed", report["success"]), ("Random scenes in physics", report["cells"])):
+        yield table(title, tuple(cells[0]), (tuple(cell.values()) for cell in cells))
     for row in report["rows"]:
         if not row["ok"]:
             case = f"{row['task']} {row['robot']} {row['constraint']} {row['mode']} scene {row['seed']}"

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import msgspec
 
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.events import objects_that_move
-from sbam.errors import ClusterError, DemonstrationError
+from sbam.errors import DemonstrationError
 from sbam.evaluation.fingerprint import code_fingerprint, fingerprint, robot_fingerprint
 from sbam.evaluation.fold import FLYING_HANDS, Condition, Fold, FoldResult, run_fold
+from sbam.evaluation.parallel import executor
 from sbam.files import write_atomically
 from sbam.robots import Robot, load_robot
 from sbam.scene import ObjectLibrary
-
-ANSWER = 5
-"""How long a cluster's scheduler may take to answer, s."""
 
 Progress = Callable[[int, int], None]
 
@@ -108,7 +105,7 @@ def evaluate_folds(
     left = [index for index, result in enumerate(results) if result is None]
     report = progress or (lambda done, total: None)
     report(len(work) - len(left), len(work))
-    with _backend(jobs, cluster) as parallel:
+    with executor(jobs, cluster) as parallel:
         tasks = (
             joblib.delayed(_indexed)(index, work[index][0], work[index][1], robots[work[index][0].robot], library)
             for index in left
@@ -126,29 +123,6 @@ def _indexed(
     index: int, condition: Condition, fold: Fold, robot: Robot | None, library: ObjectLibrary
 ) -> tuple[int, FoldResult]:
     return index, run_fold(condition, fold, robot, library)
-
-
-@contextmanager
-def _backend(jobs: int, cluster: str | None) -> Iterator[Callable]:
-    """A parallel executor that gives results as they are finished."""
-    import joblib
-
-    if cluster is None:
-        yield joblib.Parallel(n_jobs=jobs, return_as="generator_unordered")
-        return
-    try:
-        from distributed import Client
-    except ImportError:
-        raise ClusterError(cluster, "Dask is not installed here", "pip install 'sbam[cluster]'") from None
-    try:
-        client = Client(cluster, timeout=ANSWER)
-    except (OSError, ValueError) as error:
-        raise ClusterError(cluster, str(error) or type(error).__name__, "is `dask scheduler` running there?") from error
-    with client:
-        if not client.scheduler_info()["workers"]:
-            raise ClusterError(cluster, "it has no workers", f"start some with `dask worker {cluster}`")
-        with joblib.parallel_config("dask"):
-            yield joblib.Parallel(return_as="generator_unordered")
 
 
 def _finished(file: Path | None) -> FoldResult | None:

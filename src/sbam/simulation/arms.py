@@ -13,7 +13,7 @@ from sbam.robots.composition import OBJECT_PREFIX
 from sbam.robots.description import ArmName
 from sbam.robots.jacobian import point_jacobian
 from sbam.robots.robot import Robot
-from sbam.simulation.action import Arms
+from sbam.simulation.action import Arms, Grip
 
 if TYPE_CHECKING:
     import mujoco
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 BANDWIDTH = 60.0  # rad/s: of a joint's critically damped position control
-FINGER_FORCE = 40.0  # N
+FINGER_FORCE = 40.0  # N, of each finger
+CLOSED = 0.6  # share of the closing phase after which fingers that hold by contact press
 LOAD_PERIOD = 0.02  # s between moments at which the held weight is computed
 
 
@@ -33,13 +34,13 @@ def finger_joints(robot: Robot, hand: ArmName) -> tuple[str, ...]:
     return tuple(name for name in found if name not in robot.joint_names)
 
 
-def add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
+def add_motors(spec: mujoco.MjSpec, robot: Robot, finger_force: float = FINGER_FORCE) -> None:
     """One position servo for every joint; gravity is compensated within the torque limits."""
     import mujoco
 
     limits = dict(zip(robot.joint_names, robot.torque_limit, strict=True))
     for joint in spec.joints:
-        limit = float(limits.get(joint.name, FINGER_FORCE))
+        limit = float(limits.get(joint.name, finger_force))
         joint.actfrclimited = True
         joint.actfrcrange = [-limit, limit]
         joint.actgravcomp = True
@@ -58,10 +59,17 @@ class MotorControl:
     The stiffness of each joint follows from its inertia at the start and `BANDWIDTH`.
     """
 
-    def __init__(self, model: mujoco.MjModel, arms: Arms) -> None:
+    def __init__(self, model: mujoco.MjModel, arms: Arms, press: float | None = None) -> None:
+        """Prepare the servos.
+
+        Args:
+            model: the world.
+            arms: robot, trajectory and grips.
+            press: force with which fingers hold by contact, N; None for fingers that close for the eye only.
+        """
         import mujoco
 
-        self._arms, self._model = arms, model
+        self._arms, self._model, self._press = arms, model, press
         names = [model.actuator(i).name for i in range(model.nu)]
         joints = [model.joint(name) for name in names]
         self._address = np.array([int(joint.qposadr[0]) for joint in joints])
@@ -96,8 +104,10 @@ class MotorControl:
             position[:, motor] = np.interp(times, trajectory.time, trajectory.position[:, column])
             velocity[:, motor] = np.interp(times, trajectory.time, trajectory.velocity[:, column])
         for grip in self._arms.grips:
-            share = np.interp(times, [grip.closing, grip.start, grip.end, grip.opened], [0.0, 1.0, 1.0, 0.0])
-            held = min(grip.width / self._arms.robot.arms[grip.hand].hand.max_width, 1.0)
+            share = self._share(grip, times)
+            held = 0.0
+            if self._press is None:
+                held = min(grip.width / self._arms.robot.arms[grip.hand].hand.max_width, 1.0)
             for motor in self._fingers[grip.hand]:
                 position[:, motor] *= 1.0 - share * (1.0 - held)
         return position, velocity
@@ -105,7 +115,23 @@ class MotorControl:
     def commands(self, times: Array) -> Array:
         """Control inputs (B, motors) at times (B,), s."""
         position, velocity = self.wanted(times)
-        return position + self._lead * velocity + self._compliance * self._load(times)
+        return position + self._lead * velocity + self._compliance * (self._load(times) + self._pressing(times))
+
+    def _share(self, grip: Grip, times: Array) -> Array:
+        """How far the fingers are closed (B,), 0 to 1."""
+        closed = grip.start
+        if self._press is not None:  # they shall press before the object is lifted
+            closed = grip.closing + CLOSED * (grip.start - grip.closing)
+        return np.interp(times, [grip.closing, closed, grip.end, grip.opened], [0.0, 1.0, 1.0, 0.0])
+
+    def _pressing(self, times: Array) -> Array:
+        """Forces (B, motors) of the fingers towards each other, N."""
+        force = np.zeros((len(times), len(self._rest)))
+        for grip in self._arms.grips:
+            closed = self._share(grip, times) >= 1.0
+            for motor in self._fingers[grip.hand]:
+                force[closed, motor] -= np.sign(self._rest[motor]) * (self._press or 0.0)
+        return force
 
     def _load(self, times: Array) -> Array:
         """Torques (B, motors) that bear the weight of what is held, shared by its hands, Nm or N."""

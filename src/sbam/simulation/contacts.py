@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from sbam.robots.collision_pairs import hand_bodies
 from sbam.robots.composition import OBJECT_PREFIX
 from sbam.simulation.action import Action
 from sbam.simulation.record import Contact
@@ -32,6 +33,11 @@ class ContactWatch:
         fixed = {OBJECT_PREFIX + name for name, one in action.scene.objects.items() if not one.movable}
         kind = np.array([1 if n in robot else 2 if n in movable else 3 if n in fixed else 0 for n in names])
         self._kind = kind[self._body]
+        self._allowed = {
+            tuple(sorted((names.index(body), names.index(OBJECT_PREFIX + grip.object))))
+            for grip in (action.arms.grips if action.arms else ())
+            for body in hand_bodies(action.arms.robot, grip.hand)  # pyright: ignore[reportOptionalMemberAccess]
+        }
         self._found: dict[tuple[int, int], tuple[float, float, float]] = {}
 
     def look(self, data: mujoco.MjData, time: float, lasting: float) -> None:
@@ -43,14 +49,14 @@ class ContactWatch:
         depth = -data.contact.dist
         kinds = np.sort(self._kind[geoms], axis=1)
         matters = ((kinds[:, 0] == 1) | ((kinds[:, 0] == 2) & (kinds[:, 1] == 2))) & (depth > DEPTH)
+        deepest: dict[tuple[int, int], float] = {}
         for index in np.flatnonzero(matters):
             first, second = sorted(int(body) for body in self._body[geoms[index]])
-            start, total, worst = self._found.get((first, second), (time, -1.0, 0.0))
-            self._found[first, second] = start, total, max(worst, float(depth[index]))
-        for pair in {tuple(sorted(int(b) for b in self._body[geoms[i]])) for i in np.flatnonzero(matters)}:
-            first, second = pair
-            start, total, worst = self._found[first, second]
-            self._found[first, second] = start, max(total, 0.0) + lasting, worst
+            if (first, second) not in self._allowed:
+                deepest[first, second] = max(deepest.get((first, second), 0.0), float(depth[index]))
+        for pair, now in deepest.items():
+            start, total, worst = self._found.get(pair, (time, 0.0, 0.0))
+            self._found[pair] = start, total + lasting, max(worst, now)
 
     def contacts(self) -> tuple[Contact, ...]:
         """All that were found, the first first."""

@@ -40,7 +40,7 @@ def write_film(result: SimulationResult, path: str | Path, view: str = "opposite
     """
     path = Path(path)
     if path.suffix == ".png":
-        write_atomically(path, _picture(result, moments(result), view))
+        write_atomically(path, picture(result, moments(result), view))
     elif path.suffix == ".mp4":
         write_atomically(path, _film(result, view))
     else:
@@ -54,6 +54,11 @@ def moments(result: SimulationResult, count: int = MOMENTS) -> list[int]:
     moved = np.flatnonzero(away > 0.01)
     first, last = (int(moved[0]), int(moved[-1])) if len(moved) else (0, len(away) - 1)
     return np.linspace(first, last, count).round().astype(int).tolist()
+
+
+def frames_at(result: SimulationResult, times: Sequence[float]) -> list[int]:
+    """The frames of the record nearest to times, s."""
+    return [int(np.abs(result.record.time - time).argmin()) for time in times]
 
 
 def images(result: SimulationResult, frames: Sequence[int], view: str = "opposite") -> Iterator[Image]:
@@ -108,10 +113,14 @@ def _film(result: SimulationResult, view: str) -> bytes:
     return content.getvalue()
 
 
-def _picture(result: SimulationResult, frames: Sequence[int], view: str) -> bytes:
+def picture(result: SimulationResult, frames: Sequence[int], view: str = "opposite", columns: int = 3) -> bytes:
+    """Frames side by side with their times, as PNG.
+
+    Raises:
+        RenderingError: if the machine has no OpenGL that works without a screen.
+    """
     from matplotlib.figure import Figure
 
-    columns = 3
     rows = -(-len(frames) // columns)
     width, height = SIZE[0] / 100, SIZE[1] / 100
     figure = Figure(figsize=(columns * width, rows * (height + 0.3)), dpi=100)

@@ -32,6 +32,31 @@ class Contact:
 
 
 @dataclass(frozen=True)
+class Slip:
+    """How far an object moved in a hand while it was held.
+
+    Attributes:
+        time: (F,) s.
+        distance: (F,) of the grasp in the hand, m.
+        angle: (F,) of the object in the hand, rad.
+    """
+
+    time: Array
+    distance: Array
+    angle: Array
+
+    @property
+    def most(self) -> float:
+        """Largest distance, m."""
+        return float(self.distance.max())
+
+    @property
+    def most_angle(self) -> float:
+        """Largest angle, rad."""
+        return float(self.angle.max())
+
+
+@dataclass(frozen=True)
 class Record:
     """What happened.
 
@@ -44,7 +69,8 @@ class Record:
         contacts: contacts that should not be, the first first.
         tracking_error: joint -> largest distance from its command, rad or m; empty without a robot.
         torque_ratio: joint -> largest torque, share of its limit; empty without a robot.
-        slip: (hand, object) -> largest distance of the TCP from its grasp, m.
+        worst_tracking: when the largest of these distances was, s.
+        slip: (hand, object) -> how far it moved in the hand.
         seconds: processor time of the physics, s.
         simulated: time that was simulated, s.
     """
@@ -57,6 +83,7 @@ class Record:
     contacts: tuple[Contact, ...]
     tracking_error: Mapping[str, float]
     torque_ratio: Mapping[str, float]
-    slip: Mapping[tuple[str, str], float]
+    worst_tracking: float
+    slip: Mapping[tuple[str, str], Slip]
     seconds: float
     simulated: float

@@ -15,18 +15,13 @@ from sbam.robots.composition import OBJECT_PREFIX, pose_arrays
 from sbam.robots.robot import Robot
 from sbam.scene import support_height
 from sbam.simulation.action import Action
-from sbam.simulation.arms import MotorControl, add_motors, finger_joints
+from sbam.simulation.arms import FINGER_FORCE, MotorControl, add_motors, finger_joints
 from sbam.simulation.contacts import ContactWatch
+from sbam.simulation.holding import WELD, WELD_IMPEDANCE, GraspKind, Holds, add_grips, check_grasp
 from sbam.simulation.materials import SUPPORT, physics_options
 from sbam.simulation.record import Record
 from sbam.simulation.tasks.base import Task
-from sbam.simulation.world import (
-    GRASP,
-    GUIDE,
-    add_object,
-    exclude_held,
-    set_robot_contacts,
-)
+from sbam.simulation.world import GUIDE, add_object, set_robot_contacts
 from sbam.viewer.playback import light
 
 if TYPE_CHECKING:
@@ -37,7 +32,6 @@ Array = NDArray[np.float64]
 SETTLE = 0.4  # s before the motion
 AFTER = 0.6  # s after it, until what falls has fallen
 FRAME = 0.02  # s between two frames of the record
-WELD = (0.006, 1.0)  # time constant, s, and damping ratio of the hold
 FLOOR = 0.85  # m below the support
 
 
@@ -47,18 +41,27 @@ class World:
     Attributes:
         action: what will be done.
         model: the model.
+        grasp: how hands hold.
+        grasp_force: of each finger, N, where they hold by contact.
     """
 
-    def __init__(self, action: Action, task: Task) -> None:
+    def __init__(
+        self, action: Action, task: Task, grasp: GraspKind = "weld", grasp_force: float = FINGER_FORCE
+    ) -> None:
         import mujoco
 
+        check_grasp(action, grasp)
+        if not 0.0 < grasp_force < np.inf:
+            raise SimulationError(f"a grasp with {grasp_force:g} N: give a force above 0")
         self.action, self._task = action, task
+        self.grasp: GraspKind = grasp
+        self.grasp_force = grasp_force
         arms = action.arms
         spec = arms.robot.spec(free=_fingers(arms.robot)) if arms else mujoco.MjSpec()
         physics_options(spec)
         if arms:
             set_robot_contacts(spec, arms.robot)
-            add_motors(spec, arms.robot)
+            add_motors(spec, arms.robot, grasp_force)
         scene = action.scene
         for name, model in scene.objects.items():
             body = add_object(spec, name, model)
@@ -73,8 +76,7 @@ class World:
             rgba=[0.86, 0.87, 0.88, 1],
         )
         if arms:
-            exclude_held(spec, action)
-            self._add_grips(spec)
+            add_grips(spec, action, grasp)
         else:
             self._add_guides(spec)
         task.build(spec, action)
@@ -83,36 +85,12 @@ class World:
             self.model = spec.compile()
         except ValueError as error:
             raise SimulationError(f"{action.name}: MuJoCo cannot build the world: {error}") from error
-        self.control = MotorControl(self.model, arms) if arms else None
+        self.control = MotorControl(self.model, arms, grasp_force if grasp == "contact" else None) if arms else None
         count = sum(self.model.body(i).name.startswith("particle/") for i in range(self.model.nbody))
         joints = [int(self.model.body(f"particle/{i}").jntadr[0]) for i in range(count)]
         self._particles = np.array([int(self.model.jnt_qposadr[j]) for j in joints], dtype=np.int64)
         self._movable = [name for name, model in scene.objects.items() if model.movable]
         self._bodies = [int(self.model.body(OBJECT_PREFIX + name).id) for name in self._movable]
-
-    def _add_grips(self, spec: mujoco.MjSpec) -> None:
-        import mujoco
-
-        assert self.action.arms is not None
-        robot = self.action.arms.robot
-        for grip in self.action.arms.grips:
-            position, quaternion_wxyz = pose_arrays(grip.T_object_tcp)
-            name = f"{GRASP}{grip.hand}/{grip.object}"
-            spec.body(OBJECT_PREFIX + grip.object).add_site(name=name, pos=position, quat=quaternion_wxyz, group=5)
-            tcp = robot.arms[grip.hand].tcp_frame
-            if spec.site(tcp) is None:
-                spec.body(tcp).add_site(name=f"{tcp}/site", group=5)
-                tcp = f"{tcp}/site"
-            spec.add_equality(
-                name=name,
-                type=mujoco.mjtEq.mjEQ_WELD,
-                objtype=mujoco.mjtObj.mjOBJ_SITE,
-                name1=tcp,
-                name2=name,
-                active=False,
-                solref=list(WELD),
-                solimp=[0.95, 0.99, 0.001, 0.5, 2.0],
-            )
 
     def _add_guides(self, spec: mujoco.MjSpec) -> None:
         import mujoco
@@ -129,7 +107,7 @@ class World:
                 active=True,
                 data=[0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0],
                 solref=list(WELD),
-                solimp=[0.95, 0.99, 0.001, 0.5, 2.0],
+                solimp=list(WELD_IMPEDANCE),
             )
 
     def run(self, progress: Callable[[float, float], None] | None = None) -> Record:
@@ -154,31 +132,29 @@ class World:
             commands, (wanted, _) = control.commands(times), control.wanted(times)
         self._task.start(model, data, action)
         guides = self._guide_poses(times)
-        grips = self._grip_times(times)
+        holds = Holds(model, action, self.grasp, times)
         watch = ContactWatch(model, action)
         every = round(FRAME / step)
         frames: list[tuple[float, Array, Array, Array]] = []
         measured: list[dict[str, Array]] = []
         error = np.zeros(len(action.arms.trajectory.joint_names) if action.arms else 0)
-        torque, slip = error.copy(), {}
+        torque, worst = error.copy(), (0.0, 0.0)
         since = clock.process_time()
         for index, time in enumerate(times):
             for mocap, position, quaternion in guides:
                 data.mocap_pos[mocap], data.mocap_quat[mocap] = position[index], quaternion[index]
-            for equality, holds, _, _ in grips:
-                data.eq_active[equality] = holds[index]
+            holds.switch(data, index)
             if control:
                 data.ctrl[:] = commands[index]
             mujoco.mj_step(model, data)
             if control and time >= 0.0:
-                np.maximum(error, np.abs(control.tracking_error(data, wanted[index])), out=error)
+                now = np.abs(control.tracking_error(data, wanted[index]))
+                np.maximum(error, now, out=error)
+                worst = max(worst, (float(now.max()), float(time)))
                 np.maximum(torque, np.abs(control.torque(data)), out=torque)
             if index % every == 0:
                 watch.look(data, float(time), FRAME)
-                for _, holds, key, (tcp, grasp) in grips:
-                    if holds[index]:
-                        off = float(np.linalg.norm(data.site_xpos[tcp] - data.site_xpos[grasp]))
-                        slip[key] = max(slip.get(key, 0.0), off)
+                holds.look(data, index, float(time))
                 frames.append((float(time), data.qpos.copy(), data.xpos[self._bodies], data.xquat[self._bodies]))
                 measured.append(self._task.observe(model, data, action))
                 if progress:
@@ -204,7 +180,8 @@ class World:
             contacts=watch.contacts(),
             tracking_error=dict(zip(names, error.tolist(), strict=True)),
             torque_ratio=dict(zip(names, (torque / limits).tolist(), strict=True)),
-            slip=slip,
+            worst_tracking=worst[1],
+            slip=holds.slips(),
             seconds=seconds,
             simulated=float(times[-1] - times[0]),
         )
@@ -214,18 +191,6 @@ class World:
             return []
         poses = {name: self.action.poses(name, times) for name in self.action.T_world_object}
         return [(int(self.model.body(GUIDE + name).mocapid[0]), *pose_arrays(pose)) for name, pose in poses.items()]
-
-    def _grip_times(self, times: Array) -> list[tuple[int, NDArray[np.bool_], tuple[str, str], tuple[int, int]]]:
-        if not self.action.arms:
-            return []
-        result = []
-        for grip in self.action.arms.grips:
-            name = f"{GRASP}{grip.hand}/{grip.object}"
-            equality = self.model.equality(name)
-            sites = int(self.model.eq_obj1id[equality.id]), int(self.model.eq_obj2id[equality.id])
-            holds = (times >= grip.start) & (times <= grip.end)
-            result.append((int(equality.id), holds, (grip.hand, grip.object), sites))
-        return result
 
 
 def _fingers(robot: Robot) -> list[str]:

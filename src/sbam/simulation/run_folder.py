@@ -11,6 +11,8 @@ from sbam.demonstrations.loading import BUILT_IN, load
 from sbam.demonstrations.synthetic import BUILT_IN_TASKS
 from sbam.errors import RenderingError
 from sbam.scene import ObjectLibrary
+from sbam.simulation.arms import FINGER_FORCE
+from sbam.simulation.holding import GraspKind, check_grasp
 from sbam.simulation.plan_folder import read_plan_folder
 from sbam.simulation.report import simulation_report
 from sbam.simulation.simulate import Progress, comparable, simulate
@@ -26,6 +28,8 @@ def simulate_folder(
     video: str | Path | None = None,
     library: ObjectLibrary | None = None,
     progress: Progress | None = None,
+    grasp: GraspKind = "weld",
+    grasp_force: float = FINGER_FORCE,
 ) -> dict[str, Any]:
     """Try a plan that was written into a folder, and report.
 
@@ -36,15 +40,20 @@ def simulate_folder(
         video: where to write a film (``.mp4``), or a picture of moments (``.png``).
         library: object models.
         progress: called with the simulated time and all of it, s.
+        grasp: how hands hold.
+        grasp_force: of each finger in contact, N.
 
     Returns:
         The report; without OpenGL it says so and there is no film.
     """
     action = read_plan_folder(folder, library)
+    check_grasp(action, grasp)
     chosen = find_task(action, task)
     recordings = list(demonstrations) or [BUILT_IN + chosen.name] * (chosen.name in BUILT_IN_TASKS)
     compared = spread(comparable(load(recordings), action) if recordings else [], MOST_DEMONSTRATIONS)
-    result = simulate(action, chosen, compared, library=library, progress=progress)
+    result = simulate(
+        action, chosen, compared, library=library, progress=progress, grasp=grasp, grasp_force=grasp_force
+    )
     report = {**simulation_report(result), "files": []}
     if video is not None:
         from sbam.simulation.film import write_film

@@ -11,12 +11,15 @@ from sbam.demonstrations.demonstration import Demonstration
 from sbam.planning.plan import Plan
 from sbam.scene import ObjectLibrary
 from sbam.simulation.action import Action, action_of_demonstration, action_of_plan
+from sbam.simulation.arms import FINGER_FORCE
+from sbam.simulation.holding import GraspKind
 from sbam.simulation.record import Record
 from sbam.simulation.run import World
 from sbam.simulation.tasks import Task, Values, find_task
 
 LARGEST_TRACKING_ERROR = 0.1  # rad or m: beyond it the arms do something else than was planned
-LARGEST_SLIP = 0.02  # m: beyond it a held object is torn out of the hand
+LARGEST_SLIP = 0.02  # m: beyond it a held object is torn out of the hand, or slips too far in it
+DROPPED = 0.1  # m: beyond it an object is no longer in the hand
 
 Progress = Callable[[float, float], None]
 
@@ -33,6 +36,7 @@ class SimulationResult:
         yardstick: means of the same numbers over the demonstrations; None without demonstrations.
         problems: a sentence for each thing that failed; empty for a success.
         warnings: a sentence for each thing that is not as it should be but did not decide.
+        moment: when a failure shows best, s.
         world: the world it happened in, for pictures.
     """
 
@@ -43,6 +47,7 @@ class SimulationResult:
     yardstick: Values | None
     problems: tuple[str, ...]
     warnings: tuple[str, ...]
+    moment: float
     world: World
 
     @property
@@ -63,10 +68,13 @@ def simulate(
     yardstick: Values | None = None,
     library: ObjectLibrary | None = None,
     progress: Progress | None = None,
+    grasp: GraspKind = "weld",
+    grasp_force: float = FINGER_FORCE,
 ) -> SimulationResult:
     """Let a robot do what was planned, in physics, and judge what comes of it.
 
-    Arms are position-controlled; objects are held rigidly while the plan says so ("grasp assumed").
+    Arms are position-controlled; objects are held rigidly while the plan says so ("grasp assumed"), or by the contact
+    of the fingers.
 
     Args:
         plan: a plan, or an action made of one.
@@ -75,19 +83,22 @@ def simulate(
         yardstick: what success is measured against, if it is known already.
         library: object models of the demonstrations.
         progress: called with the simulated time and all of it, s.
+        grasp: ``weld`` or ``contact``.
+        grasp_force: of each finger in contact, N.
 
     Raises:
-        SimulationError: if no task fits, the world cannot be built, or the physics becomes unstable.
+        SimulationError: if no task fits, the world cannot be built, the fingers do not move, or the physics becomes
+            unstable.
     """
     action = action_of_plan(plan) if isinstance(plan, Plan) else plan
     chosen = find_task(action, task)
     demonstrations = list(demonstrations)
     if yardstick is None and demonstrations:
         yardstick = yardstick_of(demonstrations, chosen, action, library)
-    world = World(action, chosen)
+    world = World(action, chosen, grasp, grasp_force)
     record = world.run(progress)
     values = chosen.measure(action, record)
-    failures, warnings = _execution(record)
+    failures, warnings = _execution(record, grasp)
     return SimulationResult(
         action=action,
         task=chosen.name,
@@ -96,6 +107,7 @@ def simulate(
         yardstick=yardstick,
         problems=tuple(chosen.judge(values, yardstick) + failures),
         warnings=tuple(warnings),
+        moment=_moment(record, action, chosen.moment(values)),
         world=world,
     )
 
@@ -142,15 +154,37 @@ def comparable(demonstrations: Sequence[Demonstration], action: Action) -> list[
     return [one for one in demonstrations if moved <= set(one.objects)] or list(demonstrations)
 
 
-def _execution(record: Record) -> tuple[list[str], list[str]]:
+def _moment(record: Record, action: Action, of_task: float | None) -> float:
+    """When the arms or a hand failed first, else what the task says."""
+    if max(record.tracking_error.values(), default=0.0) > LARGEST_TRACKING_ERROR:
+        return record.worst_tracking
+    lost = [
+        slip.time[np.argmax(slip.distance > LARGEST_SLIP)] for slip in record.slip.values() if slip.most > LARGEST_SLIP
+    ]
+    if lost:
+        return float(min(lost))
+    return 0.5 * action.duration if of_task is None else of_task
+
+
+def _execution(record: Record, grasp: GraspKind) -> tuple[list[str], list[str]]:
     """What the arms did wrong, and what is worth saying of them."""
     failures, warnings = [], []
     for joint, error in record.tracking_error.items():
         if error > LARGEST_TRACKING_ERROR:
             failures.append(f"{joint} is {error:.2f} rad off its command")
     for (hand, name), slip in record.slip.items():
-        if slip > LARGEST_SLIP:
-            failures.append(f"{name} is torn {1e3 * slip:.0f} mm out of the {hand} hand")
+        if slip.most <= LARGEST_SLIP:
+            continue
+        when = f"at {slip.time[np.argmax(slip.distance > LARGEST_SLIP)]:.1f} s"
+        if grasp == "weld":
+            failures.append(f"{name} is torn {1e3 * slip.most:.0f} mm out of the {hand} hand, {when}")
+        elif slip.most > DROPPED:
+            failures.append(f"the {hand} hand drops {name}, {when}")
+        else:
+            turned = np.rad2deg(slip.most_angle)
+            failures.append(
+                f"{name} slips {1e3 * slip.most:.0f} mm and {turned:.0f} degrees in the {hand} hand, {when}"
+            )
     for joint, ratio in record.torque_ratio.items():
         if ratio >= 1.0:
             warnings.append(f"{joint} reaches its torque limit")

@@ -6,11 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sbam.robots.collision_pairs import hand_bodies
 from sbam.robots.composition import OBJECT_PREFIX, pose_arrays
 from sbam.robots.robot import Robot
 from sbam.scene import ObjectModel
-from sbam.simulation.action import Action
 from sbam.simulation.materials import FOOT, LEFT, OBJECT, OBJECT_FRICTION, OPEN_SHELL, RIGHT, SHELL, SUPPORT
 from sbam.simulation.vessel import add_shell
 
@@ -19,7 +17,6 @@ if TYPE_CHECKING:
 
 GUIDE = "guide/"
 """Before the name of an object that is led along a path, the name of the body that leads it."""
-GRASP = "grasp/"
 
 
 def add_object(spec: mujoco.MjSpec, name: str, model: ObjectModel) -> mujoco.MjsBody:
@@ -76,11 +73,3 @@ def set_robot_contacts(spec: mujoco.MjSpec, robot: Robot) -> None:
         for geom in body.geoms:
             if geom.contype or geom.conaffinity:
                 geom.contype, geom.conaffinity = bits
-
-
-def exclude_held(spec: mujoco.MjSpec, action: Action) -> None:
-    """A hand does not collide with what it holds: the grasp is assumed."""
-    assert action.arms is not None
-    for grip in action.arms.grips:
-        for body in hand_bodies(action.arms.robot, grip.hand):
-            spec.add_exclude(bodyname1=body, bodyname2=OBJECT_PREFIX + grip.object)

@@ -43,6 +43,10 @@ class Task:
         """Numbers of the report, from what happened."""
         raise NotImplementedError
 
+    def moment(self, values: Values) -> float | None:
+        """When a failure shows best, s; None, the default, for the middle of the action."""
+        return None
+
     def judge(self, values: Values, yardstick: Values | None) -> list[str]:
         """A sentence for each thing that is not as it must be; none means success.
 

@@ -70,6 +70,7 @@ class Pouring(Task):
             "in the cup": float(caught.mean()),
             "spilled": float(lost.mean()),
             "largest tilt [deg]": float(tilt.max()),
+            "tilt is largest [s]": float(record.time[np.argmax(tilt)]),
             "tilted for [s]": float(tilted.sum() * np.diff(record.time).mean()),
         }
         if tilted.any():
@@ -90,6 +91,10 @@ class Pouring(Task):
                 "in the cup": (in_cup & ~in_bottle).mean(axis=1).tolist(),
             },
         }
+
+    def moment(self, values: Values) -> float | None:
+        """When the first sphere was spilled, else the largest tilt."""
+        return min((spill["time [s]"] for spill in values["spills"]), default=values["tilt is largest [s]"])
 
     def judge(self, values: Values, yardstick: Values | None) -> list[str]:
         """At least 90 % of what the demonstrations pour, and at most 2 % more spilled than they spill."""

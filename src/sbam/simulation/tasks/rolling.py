@@ -70,6 +70,7 @@ class Rolling(Task):
         turns = turning_points(middle)
         lengths = np.linalg.norm(np.diff(middle[turns, :2], axis=0), axis=1)
         values: dict[str, float] = {
+            "force is largest [s]": float(record.time[np.argmax(force)]),
             "thickness, mean [mm]": float(1e3 * final.mean()),
             "thickness, least [mm]": float(1e3 * final.min()),
             "thickness, most [mm]": float(1e3 * final.max()),
@@ -78,7 +79,7 @@ class Rolling(Task):
             "half-strokes": float(max(len(turns) - 1, 0)),
             "force, most [N]": float(force.max()),
             "force while pressing, mean [N]": float(pressing.mean()) if len(pressing) else 0.0,
-            "hands slip on the pin, most [mm]": 1e3 * max(record.slip.values(), default=0.0),
+            "hands slip on the pin, most [mm]": 1e3 * max((slip.most for slip in record.slip.values()), default=0.0),
         }
         if len(lengths):
             values["half-stroke, mean [mm]"] = float(1e3 * lengths.mean())
@@ -96,6 +97,10 @@ class Rolling(Task):
             },
             "series": {"time [s]": record.time.tolist(), "force [N]": force.tolist()},
         }
+
+    def moment(self, values: Values) -> float | None:
+        """When the pin pressed most."""
+        return values["force is largest [s]"]
 
     def judge(self, values: Values, yardstick: Values | None) -> list[str]:
         """Thickness within 1 mm of the plan, at most 2 mm more than demonstrated, and no stroke left out."""
