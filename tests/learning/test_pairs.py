@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from sbam.learning import LearningSettings
@@ -53,9 +55,12 @@ def test_pairs_in_which_nothing_moves_are_dropped():
 @pytest.mark.parametrize("constraint", ["cartesian", "cylindrical", "symbolic"])
 def test_constraint_of_a_pair(constraint):
     for pair in candidate_pairs(POURING, DEFAULT):
-        upright = pair.is_same_object
-        expected = "cartesian" if pair.is_own_start or upright else constraint
+        upright, support = pair.is_same_object, pair.second is not None and pair.second.affordance == "place onto"
+        expected = "cartesian" if pair.is_own_start or upright or support else constraint
         assert pair_constraint(pair, POURING, constraint, DEFAULT) == expected
+        if support:
+            from_center = replace(DEFAULT, supports="center")
+            assert pair_constraint(pair, POURING, constraint, from_center) == constraint
     # The pin's handles lie apart, so their azimuth is defined.
     handles = candidate_pairs(ROLLING, DEFAULT)[2]
     assert handles.is_same_object

@@ -1,4 +1,4 @@
-"""Targets in this scene: supports slide, pairs within one object keep its length."""
+"""Targets in this scene: what people did given where things start; pairs within one object keep its length."""
 
 from dataclasses import replace
 
@@ -6,13 +6,21 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform
 
-from sbam.constraints import constraint_type
+from sbam.constraints import RegionPair, RegionReference
 from sbam.demonstrations.scenes import starting_scene
+from sbam.learning.generalization import GeneralizedChange, GeneralizedChannel
 from sbam.planning.settings import PlanSettings
-from sbam.planning.targets import START_SPREADS, pair_target, start_share, support_slide, vector_std
+from sbam.planning.targets import (
+    START_SPREADS,
+    Placement,
+    pair_target,
+    placement_of,
+    vector_shift,
+)
 from sbam.planning.task import Task, bind
 
 DEFAULT = PlanSettings()
+TIMES = np.linspace(0.0, 1.0, 11)
 
 
 @pytest.fixture(scope="module", params=["cartesian", "cylindrical", "symbolic"])
@@ -29,55 +37,125 @@ def support_pairs(task):
     return [c for c in task.model.changes if c.pair.second and c.pair.second.affordance == "place onto"]
 
 
-def test_a_support_slides_by_what_the_demonstrations_tell(rolling):
-    for change in support_pairs(rolling):
-        before = rolling.region_at_start(change.pair.first) - rolling.region_at_start(change.pair.second)
-        learned = constraint_type(change.constraint).vector(change.at(np.zeros(1))[0])[0]
-        off = (learned - before)[:2]
-        seen = START_SPREADS * np.linalg.norm(vector_std(change, np.zeros(1))[0, :2])
-        share = max(start_share(rolling, change), 1.0 - seen / np.linalg.norm(off))
-        assert share > 0.5  # people roll where the pin lay
-        np.testing.assert_allclose(support_slide(rolling, change, DEFAULT), [*(share * off), 0.0], atol=1e-9)
+def learned(second: RegionReference | None, vectors: np.ndarray) -> GeneralizedChange:
+    """What is learned from D vectors over time, (D, K, 3)."""
+    mean, std = vectors.mean(axis=0), vectors.std(axis=0, ddof=1)
+    count = np.full(len(TIMES), len(vectors))
+    channels = tuple(
+        GeneralizedChannel(name, "m", TIMES, mean[:, i], std[:, i], count) for i, name in enumerate(("x", "y", "z"))
+    )
+    return GeneralizedChange(RegionPair(RegionReference("thing", "place"), second), "cartesian", channels)
 
 
-@pytest.mark.parametrize("constraint", ["cartesian", "cylindrical"])
-def test_channels_tell_how_much_a_vector_varies(model_of, constraint):
-    """By drawing channels and looking at their vectors."""
+def placement(starts: np.ndarray, follow: np.ndarray, start: np.ndarray, noise: np.ndarray) -> Placement:
+    """Of D demonstrations that start at (D, 3) and follow their starts by (K,), executed from (3,)."""
+    paths = 0.3 + follow[:, None] * starts[:, None] + noise
+    paths[:, 0] = starts
+    support = learned(RegionReference("table", "place onto"), paths)
+    std = support.at(np.zeros(1))[1][0, :2]
+    offset = start - starts.mean(axis=0)
+    return Placement((support,), (learned(None, paths - starts[:, None]),), float(np.linalg.norm(std)), offset)
+
+
+def test_the_slope_is_that_of_a_regression():
     generator = np.random.default_rng(0)
-    for change in model_of("rolling", constraint).changes:
-        if change.pair.second is None or change.pair.second.affordance != "place onto":
-            continue
-        mean, std = change.at(np.zeros(1))
-        drawn = constraint_type(change.constraint).vector(mean + std * generator.normal(size=(20000, std.shape[1])))
-        estimated, exact = (np.linalg.norm(one[:2]) for one in (vector_std(change, np.zeros(1))[0], drawn.std(axis=0)))
-        assert estimated == pytest.approx(exact, rel=0.1)
+    follow = np.linspace(1.0, 0.0, len(TIMES))
+    starts = generator.normal(0.0, 0.05, (9, 3)) * (1.0, 1.0, 0.0)
+    start = starts.mean(axis=0) + np.array([0.02, 0.01, 0.0])
+    exact = placement(starts, follow, start, np.zeros((9, len(TIMES), 3)))
+    np.testing.assert_allclose(exact.slope(TIMES), follow, atol=1e-9)
+    np.testing.assert_allclose(exact.further(TIMES), follow[:, None] * exact.offset, atol=1e-9)
+
+    noise = generator.normal(0.0, 0.01, (9, len(TIMES), 3)) * (1.0, 1.0, 0.0)
+    noisy = placement(starts, follow, start, noise)
+    paths = 0.3 + follow[:, None] * starts[:, None] + noise
+    paths[:, 0] = starts
+    centered, own = paths - paths.mean(axis=0), starts - starts.mean(axis=0)
+    expected = np.einsum("dkc,dc->k", centered, own) / np.square(own).sum()
+    np.testing.assert_allclose(noisy.slope(TIMES), expected.clip(0.0, 1.0), atol=1e-9)
 
 
-def test_pouring_goes_to_its_place_rather_than_where_the_bottle_stood(pouring):
-    shares = {c.pair.first.role: start_share(pouring, c) for c in support_pairs(pouring)}
-    assert shares["pour_from"] < 0.3 < shares["pour_into"] < 0.9
+def test_a_start_beyond_the_demonstrated_ones_is_followed():
+    starts = np.random.default_rng(1).normal(0.0, 0.01, (9, 3)) * (1.0, 1.0, 0.0)
+    far = starts.mean(axis=0) + np.array([0.5, 0.0, 0.0])
+    stays = placement(starts, np.zeros(len(TIMES)), far, np.zeros((9, len(TIMES), 3)))
+    seen = START_SPREADS * np.linalg.norm(starts[:, :2].std(axis=0, ddof=1))
+    np.testing.assert_allclose(stays.further(TIMES)[1:], [[0.5 - seen, 0.0, 0.0]] * (len(TIMES) - 1), atol=1e-9)
 
 
-def test_only_supports_slide_and_only_if_wanted(pouring):
+def test_demonstrations_that_start_alike_are_followed():
+    starts = np.tile([0.1, 0.2, 0.0], (3, 1))
+    alike = placement(starts, np.zeros(len(TIMES)), np.array([0.3, 0.2, 0.0]), np.zeros((3, len(TIMES), 3)))
+    np.testing.assert_array_equal(alike.slope(TIMES), 1.0)
+    np.testing.assert_allclose(alike.further(TIMES), [[0.2, 0.0, 0.0]] * len(TIMES), atol=1e-12)
+
+
+def test_own_start_and_support_agree_on_where_an_object_is_to_be(rolling):
+    times = rolling.model.keypoint_times
+    supports = [change for change in rolling.model.changes if change.from_agent]
+    assert len(supports) == 2  # both handles, in models of every type
+    for support in supports:
+        own = next(c for c in rolling.model.changes if c.pair.is_own_start and c.pair.first == support.pair.first)
+        start = rolling.region_at_start(support.pair.first)
+        there = pair_target(rolling, own, times, DEFAULT) + start
+        np.testing.assert_allclose(there[:, :2], pair_target(rolling, support, times, DEFAULT)[:, :2], atol=5e-3)
+
+
+def test_people_roll_before_the_body_wherever_the_pin_lay(rolling):
+    held = rolling.model.keypoint_times
+    held = held[(held > rolling.moved[0].lift + 1.0) & (held < rolling.moved[0].place - 1.0)]
+    found = placement_of(rolling, RegionReference("handle_left", "handle left"))
+    assert found is not None
+    assert found.slope(held).mean() < 0.6
+
+
+def test_a_bottle_goes_to_the_cup_and_a_cup_halfway_to_its_place(pouring):
+    middle = np.array([0.5 * pouring.model.duration])
+    slopes = {}
+    for role, affordance in (("pour_from", "pour from"), ("pour_into", "pour into")):
+        found = placement_of(pouring, RegionReference(role, affordance))  # which has no support of its own
+        assert found is not None
+        slopes[role] = found.slope(middle)[0]
+        assert found.slope(np.array([0.0, pouring.model.duration])) == pytest.approx(1.0, abs=0.2)
+    assert slopes["pour_from"] < 0.3 < slopes["pour_into"] < 0.9
+
+
+def test_the_plane_is_measured_from_the_agent(pouring):
+    """Where the table stands changes nothing but heights."""
     supports = support_pairs(pouring)
     assert supports
-    aside = RigidTransform.from_translation([1.0, 0.0, 0.0])
-    far = replace(pouring, T_agent_object={name: aside * pose for name, pose in pouring.T_agent_object.items()})
-    far.T_agent_object["kitchen_sideboard"] = pouring.T_agent_object["kitchen_sideboard"]
+    assert all(change.from_agent for change in supports)
+    aside = RigidTransform.from_translation([0.1, -0.2, 0.03])
+    poses = dict(pouring.T_agent_object)
+    poses["kitchen_sideboard"] = aside * poses["kitchen_sideboard"]
+    moved = replace(pouring, T_agent_object=poses)
     for change in pouring.model.changes:
-        assert np.any(support_slide(far, change, DEFAULT)) == (change in supports)
-        assert not np.any(support_slide(far, change, replace(DEFAULT, slide_supports=False)))
+        first, second = change.pair.first, change.pair.second
+        shift = vector_shift(pouring, change)
+        if change not in supports:
+            assert not shift.any()
+            continue
+        assert second is not None
+        vector = pouring.region_at_start(first) - pouring.region_at_start(second) + shift
+        np.testing.assert_allclose(vector[:2], pouring.region_at_start(first)[:2])
+        again = moved.region_at_start(first) - moved.region_at_start(second) + vector_shift(moved, change)
+        np.testing.assert_allclose(again, vector - [0.0, 0.0, 0.03], atol=1e-12)
+
+
+def test_learned_means_are_left_alone_on_request(pouring):
+    off = replace(DEFAULT, slide_supports=False, rigid_length=False)
+    for change in pouring.model.changes:
+        times = pouring.model.keypoint_times
+        np.testing.assert_array_equal(pair_target(pouring, change, times, off), change.at(times)[0])
 
 
 def test_pairs_within_one_object_get_its_length_and_keep_their_direction(pouring):
     times = pouring.model.keypoint_times
     for change in pouring.model.changes:
+        if not change.pair.is_same_object:
+            continue
         mean = change.at(times)[0]
         target = pair_target(pouring, change, times, DEFAULT)
-        np.testing.assert_array_equal(pair_target(pouring, change, times, replace(DEFAULT, rigid_length=False)), mean)
-        if not change.pair.is_same_object:
-            np.testing.assert_array_equal(target, mean)
-            continue
         length = np.linalg.norm(pouring.region_center(change.pair.first) - pouring.region_center(change.pair.second))
         np.testing.assert_allclose(np.linalg.norm(target, axis=1), length)
         np.testing.assert_allclose(np.cross(target, mean), 0.0, atol=1e-12)
@@ -89,4 +167,4 @@ def test_mode_paper_takes_what_was_learned(model_of):
     for change in task.model.changes:
         times = task.model.keypoint_times
         np.testing.assert_array_equal(pair_target(task, change, times, DEFAULT), change.at(times)[0])
-        assert not support_slide(task, change, DEFAULT).any()
+        assert not vector_shift(task, change).any()

@@ -39,11 +39,14 @@ class GeneralizedChange:
         pair: the two regions.
         constraint: name of the constraint type (own-start pairs are Cartesian whatever the model's type).
         channels: one per channel of the type, in its order.
+        from_agent: whether the vector is measured in the plane from the agent's origin instead of from the second
+            region; see `pair_vector`.
     """
 
     pair: RegionPair
     constraint: str
     channels: tuple[GeneralizedChannel, ...]
+    from_agent: bool = False
 
     def at(self, time: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Mean and standard deviation at the given times.
@@ -57,3 +60,13 @@ class GeneralizedChange:
         mean = np.stack([np.interp(time, channel.time, channel.mean) for channel in self.channels], axis=-1)
         std = np.stack([np.interp(time, channel.time, channel.std) for channel in self.channels], axis=-1)
         return mean, std
+
+
+def pair_vector(first: NDArray[np.float64], second: NDArray[np.float64], from_agent: bool) -> NDArray[np.float64]:
+    """The vector between two regions, first - second, (..., 3) m, agent frame.
+
+    Things may be placed anywhere on a support: its ellipse is a tolerance and its centre is arbitrary, while people
+    work where their hands reach well. ``from_agent`` measures in the plane from the agent's origin instead, and only
+    heights from the second region.
+    """
+    return first - second * [0.0, 0.0, 1.0] if from_agent else first - second

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.constraints import RegionPair, constraint_type
+from sbam.constraints import RegionPair, RegionReference, constraint_type
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.errors import DemonstrationError
 from sbam.learning.anchors import AnchorSet, align_events
@@ -103,12 +103,12 @@ def add_demonstration(model: ActionModel, demonstration: Demonstration, library:
     return _extended(model, sketch, model.name, model.constraint, model.settings)
 
 
-def variant_for(model: ActionModel, starts: Mapping[str, Array]) -> ActionModel:
+def variant_for(model: ActionModel, starts: Mapping[RegionReference, Array]) -> ActionModel:
     """What the demonstrations show that take their objects in the order that fits a scene (`sbam.learning.variants`).
 
     Args:
         model: learned from all demonstrations.
-        starts: role -> (3,) where its object stands in the scene, agent frame, m.
+        starts: region -> (3,) its centre in the scene at the start, agent frame, m.
 
     Returns:
         The model itself if its demonstrations agree on the order or its settings do not ask for it.
@@ -169,6 +169,15 @@ def _sketch(
                 f"no two of its objects belong together by their affordances; it shows {', '.join(models) or 'none'}",
             )
     sketch = sketch_demonstration(demonstration, objects, models, constraint, settings)
+    if earlier and earlier[0].candidates:
+        supports = [{found.pair for found in one.candidates if found.from_agent} for one in (earlier[0], sketch)]
+        if supports[0] != supports[1]:
+            pair = min(map(str, supports[0] ^ supports[1]))
+            raise DemonstrationError(
+                demonstration.name,
+                f"{pair}: its support can be moved and that of {earlier[0].name!r} cannot, or the other way round",
+                "learn them as two actions",
+            )
     if not any(role.moves for role in sketch.roles):
         raise DemonstrationError(demonstration.name, f"none of its objects ({', '.join(objects.values())}) moves")
     notes = tuple(
@@ -247,7 +256,7 @@ def _aligned(candidates: PairCandidates, own: Array, model: Array) -> PairCandid
         time = np.union1d(channel.time, own)
         value = np.interp(time, channel.time, channel.value)
         channels.append(ChannelCandidates(warp(time, own, model), value))
-    return PairCandidates(candidates.pair, candidates.constraint, tuple(channels))
+    return replace(candidates, channels=tuple(channels))
 
 
 def of_mean_length(candidates: Sequence[PairCandidates]) -> Sequence[PairCandidates]:
@@ -286,7 +295,8 @@ def _generalized(
             old = changes[index].channels[position]
             given = None if anchors is None else (_nearest(old.time, anchors), _nearest(new.time, anchors))
             channels.append(add_candidates(old, new.time, new.value, demonstrations, settings, given))
-        result.append(GeneralizedChange(candidate.pair, candidate.constraint, tuple(channels)))
+        change = GeneralizedChange(candidate.pair, candidate.constraint, tuple(channels), candidate.from_agent)
+        result.append(change)
     return tuple(result)
 
 

@@ -30,7 +30,7 @@ FORMAT_VERSION = 1
 
 _LINE = 110
 """What fits into this many characters is written on one line."""
-_MATRICES = {("HandHold", "hand_position")}
+_MATRICES = {("HandHold", "hand_position"), ("SketchedRole", "start"), ("SketchedPath", "position"), ("SketchedPath", "rotation")}
 """Array fields with rows of three, by class and field; all other arrays have one axis."""
 
 
@@ -109,7 +109,7 @@ def _schema(hint: Any, matrix: bool = False) -> Any:
     if get_origin(hint) is tuple:
         return tuple[_schema(get_args(hint)[0]), ...]
     if get_origin(hint) in (Union, UnionType):
-        return Union[tuple(_schema(option) for option in get_args(hint))]  # noqa: UP007
+        return Union[tuple(_schema(option, matrix) for option in get_args(hint))]  # noqa: UP007
     return hint
 
 
@@ -123,7 +123,7 @@ def _typed(hint: Any, value: Any) -> Any:
         hints = get_type_hints(hint)
         content = {field.name: _typed(hints[field.name], getattr(value, field.name)) for field in fields(hint)}
         for name in content:
-            if (hint.__name__, name) in _MATRICES:
+            if (hint.__name__, name) in _MATRICES and content[name] is not None:
                 content[name] = content[name].reshape(-1, 3)
         return hint(**content)
     if get_origin(hint) is np.ndarray:

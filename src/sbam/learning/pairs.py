@@ -40,10 +40,13 @@ def pair_constraint(
 ) -> str:
     """Name of the constraint type for one pair of a model of type ``constraint``.
 
-    Own-start pairs are Cartesian in every model. So are, with ``upright_as_cartesian``, same-object pairs along the
+    Own-start pairs are Cartesian in every model. So are, with ``supports`` "agent", pairs against a support, from whose
+    centre no radius and no azimuth should be measured; and, with ``upright_as_cartesian``, same-object pairs along the
     object's upright axis: while it stands their radius is 0 and their azimuth undefined.
     """
     if pair.second is None:
+        return "cartesian"
+    if against_support(pair, roles, settings):
         return "cartesian"
     if constraint != "cartesian" and pair.is_same_object and settings.upright_as_cartesian:
         model = roles[pair.first.role]
@@ -51,6 +54,14 @@ def pair_constraint(
         if abs(vector @ model.up) >= _UPRIGHT_COSINE * np.linalg.norm(vector):
             return "cartesian"
     return constraint
+
+
+def against_support(pair: RegionPair, roles: Mapping[str, ObjectModel], settings: LearningSettings) -> bool:
+    """Whether a pair is one against what cannot be moved and is placed onto, to be measured from the agent."""
+    second = pair.second
+    if settings.supports == "center" or second is None:
+        return False
+    return second.affordance.endswith(" onto") and not roles[second.role].movable
 
 
 def _movable(roles: Mapping[str, ObjectModel]) -> list[str]:

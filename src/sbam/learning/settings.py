@@ -24,6 +24,9 @@ class LearningSettings:
             the order of the one whose layout is nearest (`sbam.learning.variants`).
         pairs: ``functional`` pairs by affordance names, or ``all`` unordered pairs of regions.
         own_start_pairs: also pair each region of a moved object with its own place at the start.
+        supports: pairs against what cannot be moved and is placed onto are Cartesian in models of every type and
+            measured in its plane from the ``agent``'s origin (`sbam.learning.generalization.pair_vector`), or like
+            others from the ``center`` of its region.
         upright_as_cartesian: models of every type see same-object pairs along the upright axis as Cartesian, because
             their azimuth is undefined while the object stands.
         mean_length: with ``events``, pairs within one object are brought to the mean length of the objects shown,
@@ -48,6 +51,7 @@ class LearningSettings:
     mean_length: bool = True
     pairs: Literal["functional", "all"] = "functional"
     own_start_pairs: bool = True
+    supports: Literal["agent", "center"] = "agent"
     upright_as_cartesian: bool = True
     update_rule: Literal["welford", "paper"] = "welford"
     segmentation_rate: float | None = 12.5
@@ -81,6 +85,7 @@ class LearningSettings:
             mean_length=False,
             pairs="all",
             own_start_pairs=False,
+            supports="center",
             upright_as_cartesian=False,
             update_rule="paper",
             segmentation_rate=None,

@@ -7,12 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform
 
-from sbam.constraints import RegionPair, constraint_type
+from sbam.constraints import RegionPair, RegionReference, constraint_type
 from sbam.demonstrations.demonstration import Demonstration, Hand
 from sbam.demonstrations.events import Event, find_events
 from sbam.demonstrations.holds import find_holds
-from sbam.learning.pairs import candidate_pairs, pair_constraint
+from sbam.learning.generalization import pair_vector
+from sbam.learning.movement_primitive import SketchedPath, sketch_path
+from sbam.learning.pairs import against_support, candidate_pairs, pair_constraint
 from sbam.learning.segmentation import segment
 from sbam.learning.settings import LearningSettings
 from sbam.scene.object_model import ObjectModel
@@ -32,7 +35,8 @@ class SketchedRole:
         object: name of the object model.
         affordances: those of its affordances that appear in the watched pairs.
         moves: whether it was moved.
-        start: (3,) where its origin was at the start, agent frame, m; None in models of earlier versions.
+        start: (R, 3) where the centres of its regions were at the start, rows as ``affordances``, agent frame, m; None
+            in models of earlier versions.
     """
 
     role: str
@@ -73,11 +77,15 @@ class ChannelCandidates:
 
 @dataclass(frozen=True)
 class PairCandidates:
-    """Keypoint candidates of one pair, a polyline for every channel of its constraint type."""
+    """Keypoint candidates of one pair, a polyline for every channel of its constraint type.
+
+    ``from_agent`` is as in `sbam.learning.generalization.GeneralizedChange`.
+    """
 
     pair: RegionPair
     constraint: str
     channels: tuple[ChannelCandidates, ...]
+    from_agent: bool = False
 
 
 @dataclass(frozen=True)
@@ -93,6 +101,7 @@ class DemonstrationSketch:
         holds: who held what.
         candidates: keypoint candidates of every pair; empty where a model only keeps generalised changes.
         notes: what was left out and why, a sentence each.
+        paths: how what was moved went; empty in models of earlier versions.
     """
 
     name: str
@@ -103,10 +112,18 @@ class DemonstrationSketch:
     holds: tuple[SketchedHold, ...]
     candidates: tuple[PairCandidates, ...]
     notes: tuple[str, ...] = ()
+    paths: tuple[SketchedPath, ...] = ()
 
     def without_candidates(self) -> DemonstrationSketch:
         """The same without the keypoint candidates."""
         return replace(self, candidates=())
+
+    def region_at_start(self, region: RegionReference) -> Array | None:
+        """Where the centre of a region was at the start, (3,) m, agent frame; None if it was not kept."""
+        role = next((role for role in self.roles if role.role == region.role), None)
+        if role is None or role.start is None or region.affordance not in role.affordances:
+            return None
+        return role.start[role.affordances.index(region.affordance)]
 
     def event_time(self, kind: str, role: str) -> float | None:
         """Time of a role's first event of that kind, s, or None."""
@@ -140,27 +157,32 @@ def sketch_demonstration(
     regions = {region for pair in pairs for region in (pair.first, pair.second) if region is not None}
     moving = {event.object for event in events}
     T_agent_world = demonstration.T_world_agent.inv()
-    start = {
-        role: (T_agent_world * demonstration.T_world_object[name][0]).translation for role, name in objects.items()
-    }
     return DemonstrationSketch(
         name=demonstration.name,
         duration=demonstration.duration,
         synthetic=demonstration.synthetic,
         roles=tuple(
-            SketchedRole(
+            _sketched_role(
                 role,
-                model.name,
+                model,
                 tuple(sorted(r.affordance for r in regions if r.role == role)),
                 role in moving,
-                start[role],
+                T_agent_world * demonstration.T_world_object[objects[role]][0],
             )
             for role, model in role_models.items()
         ),
         events=events,
         holds=_holds(demonstration, role_of, models),
         candidates=_candidates(demonstration, objects, role_models, pairs, events, constraint, settings),
+        paths=tuple(sketch_path(demonstration, name, role) for role, name in objects.items() if role in moving),
     )
+
+
+def _sketched_role(
+    role: str, model: ObjectModel, affordances: tuple[str, ...], moves: bool, T_agent_object: RigidTransform
+) -> SketchedRole:
+    centers = np.array([model.region(affordance).center for affordance in affordances]).reshape(-1, 3)
+    return SketchedRole(role, model.name, affordances, moves, T_agent_object.apply(centers))
 
 
 def _holds(
@@ -203,16 +225,17 @@ def _candidates(
         position[region] = np.stack([np.interp(time, own_time, path[:, axis]) for axis in range(3)], axis=-1)
     result = []
     for pair in pairs:
+        from_agent = against_support(pair, role_models, settings)
         origin = position[pair.first][0] if pair.second is None else position[pair.second]
         name = pair_constraint(pair, role_models, constraint, settings)
-        values = constraint_values(name, position[pair.first] - origin)
+        values = constraint_values(name, pair_vector(position[pair.first], origin, from_agent))
         channels = []
         for unit, value in zip(constraint_type(name).channel_units, values.T, strict=True):
             amplitude = max(float(np.ptp(value)), settings.amplitude_floor(unit))
             threshold = settings.segmentation_epsilon * amplitude * time[-1]
             kept = segment(time, value, threshold, knots)
             channels.append(ChannelCandidates(time[kept], value[kept]))
-        result.append(PairCandidates(pair, name, tuple(channels)))
+        result.append(PairCandidates(pair, name, tuple(channels), from_agent))
     return tuple(result)
 
 

@@ -13,6 +13,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from sbam.constraints import RegionReference
 from sbam.learning.sketch import DemonstrationSketch
 
 Array = NDArray[np.float64]
@@ -46,23 +47,26 @@ def order_groups(sketches: Sequence[DemonstrationSketch]) -> NDArray[np.int_]:
     return groups if np.bincount(groups).min() >= LEAST_MEMBERS else np.zeros(len(sketches), dtype=int)
 
 
-def nearest_layout(sketches: Sequence[DemonstrationSketch], starts: Mapping[str, Array]) -> int | None:
+def nearest_layout(sketches: Sequence[DemonstrationSketch], starts: Mapping[RegionReference, Array]) -> int | None:
     """The demonstration in which the moved objects stood most as in a scene, relative to each other.
 
     Args:
         sketches: D demonstrations.
-        starts: role -> (3,) where its object stands in the scene, agent frame, m.
+        starts: region -> (3,) its centre in the scene at the start, agent frame, m.
 
     Returns:
         Its index; None if fewer than two objects can be compared.
     """
-    known = [
-        {role.role: role.start for role in sketch.roles if role.moves and role.start is not None} for sketch in sketches
-    ]
-    roles = sorted(role for role in starts if all(role in layout for layout in known))
-    if len(roles) < 2:
+    moved = {role.role for sketch in sketches for role in sketch.roles if role.moves}
+    places: dict[str, list[Array]] = {}
+    for region, start in sorted(starts.items()):
+        known = [sketch.region_at_start(region) for sketch in sketches]
+        if region.role in moved and region.role not in places and not any(found is None for found in known):
+            places[region.role] = [start, *(found for found in known if found is not None)]
+    if len(places) < 2:
         return None
-    between = list(combinations(roles, 2))
-    scene = np.concatenate([starts[second] - starts[first] for first, second in between])
-    layouts = [np.concatenate([layout[second] - layout[first] for first, second in between]) for layout in known]
-    return int(np.linalg.norm(np.array(layouts) - scene, axis=1).argmin())
+    layouts = np.concatenate(
+        [np.array(places[second]) - np.array(places[first]) for first, second in combinations(sorted(places), 2)],
+        axis=1,
+    )
+    return int(np.linalg.norm(layouts[1:] - layouts[0], axis=1).argmin())

@@ -2,8 +2,8 @@
 
 Joints must not simply be interpolated between keypoints (hands stray by centimetres and two-handed grasps open).
 What is wanted is interpolated instead: the position of the region that acts (the spout, the rim, the axis of the pin)
-and the orientation of its object. All objects pass through the same linear operator, so vectors between acting regions
-are interpolated as well as the regions are.
+and the orientation of its object. Positions follow monotone cubics (PCHIP), which come to rest at turning points and
+never overshoot a keypoint: rounding the corners of straight lines instead took a sixth of the strokes of a rolling pin.
 """
 
 from __future__ import annotations
@@ -12,9 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import pchip_interpolate
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 
+from sbam.planning.demonstrated_shape import DemonstratedShape, demonstrated_shapes
 from sbam.planning.task import MovedObject, Task
 
 Array = NDArray[np.float64]
@@ -39,9 +41,15 @@ class ObjectPath:
 
 
 def acting_point(task: Task, moved: MovedObject) -> Array:
-    """The point whose path matters most, in the object's frame, (3,) m.
+    """The point whose path matters most, in the object's frame, (3,) m: the mean centre of `acting_affordances`."""
+    centers = [moved.model.region(affordance).center for affordance in acting_affordances(task, moved)]
+    return np.mean(centers, axis=0)
 
-    It is the centre of the regions that are watched against another object: against a moved one where there is such a
+
+def acting_affordances(task: Task, moved: MovedObject) -> tuple[str, ...]:
+    """The affordances of the regions of an object whose path matters most, sorted.
+
+    They are those that are watched against another object: against a moved one where there is such a
     pair (spout against rim), else against any (handles against the table), else of all regions of the object.
     """
     roles = {other.role for other in task.moved}
@@ -58,13 +66,21 @@ def acting_point(task: Task, moved: MovedObject) -> Array:
     if functional and len({reference.affordance for reference in references}) > 1:
         # All pairs are watched (mode `paper`): those that name what the object is for, not where it stands.
         references = {r for r in references if r.affordance != "place"} or references
-    if not references:
-        return np.mean([region.center for region in moved.model.affordance_regions], axis=0)
-    return np.mean([task.region_center(reference) for reference in sorted(references)], axis=0)
+    return tuple(sorted(reference.affordance for reference in references)) or moved.model.affordances
+
+
+def shapes_of(task: Task) -> dict[str, DemonstratedShape]:
+    """Role -> how its object moved in the demonstrations, for those of which the model has kept it."""
+    return demonstrated_shapes(task, {moved.role: acting_affordances(task, moved) for moved in task.moved})
 
 
 def object_path(
-    task: Task, moved: MovedObject, keypoint_times: Array, keypoint_poses: RigidTransform, time: Array
+    task: Task,
+    moved: MovedObject,
+    keypoint_times: Array,
+    keypoint_poses: RigidTransform,
+    time: Array,
+    shape: DemonstratedShape | None = None,
 ) -> ObjectPath:
     """Interpolate an object's keypoint poses; before its lift and after its place it rests exactly.
 
@@ -74,6 +90,7 @@ def object_path(
         keypoint_times: (K,) s.
         keypoint_poses: K poses, agent frame.
         time: (N,) uniform grid on the model's time axis, s; may reach beyond the keypoints.
+        shape: how the object moved in the demonstrations, to be kept between the keypoints.
 
     Returns:
         The dense path.
@@ -91,10 +108,14 @@ def object_path(
         [moved.start.apply(point)[None], keypoint_poses.apply(point)[inside], moved.put_down.apply(point)[None]]
     )
     clipped = np.clip(time, moved.lift, moved.place)
-    position = np.stack([np.interp(clipped, times, column) for column in points.T], axis=-1)
+    position = pchip_interpolate(times, points, clipped)
     rotation = Slerp(times, rotations)(clipped)
     fade = ease(np.minimum(time - moved.lift, moved.place - time) / EASING)
     width = SMOOTHING / float(time[1] - time[0])
+    if shape is not None:
+        position = shape.position.through(times, points, clipped)
+        aside = shape.rotation.through(times, np.zeros((len(times), 3)), clipped)
+        rotation = rotation * Rotation.from_rotvec(aside)
     smooth_position = gaussian_filter1d(position, width, axis=0, mode="nearest")
     smooth_rotation = _smooth_rotations(rotation, width)
     # Before the middle of the motion rest means the start, after it the put-down.

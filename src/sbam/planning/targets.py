@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.constraints import constraint_type
+from sbam.constraints import RegionReference
 from sbam.learning.generalization import GeneralizedChange
 from sbam.planning.settings import PlanSettings
 from sbam.planning.task import Task
@@ -15,79 +18,105 @@ Array = NDArray[np.float64]
 
 START_SPREADS = 2.0
 """A start this many standard deviations from the mean demonstrated one is still as in the demonstrations."""
+IN_PLANE = np.array([1.0, 1.0, 0.0])
 
 
 def pair_target(task: Task, change: GeneralizedChange, times: Array, settings: PlanSettings) -> Array:
-    """Learned mean of a pair, (K, C) in the channels' units.
+    """What a pair shall be, (K, C) in the channels' units: in mode ``paper`` its learned mean.
 
-    A pair within one object carries its orientation; its length is the object's own. The mean over demonstrations is
-    shorter (directions differ) or of another object's size; taken as it is, the channels' different weights would turn
-    that difference into a wrong angle. In mode ``default`` it is brought to the object's length (``rigid_length``).
+    In mode ``default`` it is
+
+    - for a pair within one object, which carries its orientation, brought to the object's own length. The mean over
+      demonstrations is shorter (directions differ) or of another object's size; taken as it is, the channels' different
+      weights would turn that difference into a wrong angle (``rigid_length``),
+    - for a pair against a support or an object's own start, the mean of demonstrations that would have started where
+      the object starts here (`Placement`, ``slide_supports``).
     """
     mean = change.at(times)[0]
-    second = change.pair.second
-    if task.model.mode == "paper" or not settings.rigid_length or change.constraint != "cartesian":
+    first, second = change.pair.first, change.pair.second
+    if task.model.mode == "paper" or change.constraint != "cartesian":
         return mean
-    if second is None or not change.pair.is_same_object:
+    if change.pair.is_same_object and second is not None:
+        return (
+            _of_length(mean, task.region_center(first) - task.region_center(second)) if settings.rigid_length else mean
+        )
+    placement = placement_of(task, first) if settings.slide_supports else None
+    if placement is None or not (change.pair.is_own_start or change.from_agent):
         return mean
-    length = np.linalg.norm(task.region_center(change.pair.first) - task.region_center(second))
-    learned = np.linalg.norm(mean, axis=-1, keepdims=True)
+    further = placement.further(times)
+    return mean + (further - placement.offset if change.pair.is_own_start else further)
+
+
+def _of_length(mean: Array, vector: Array) -> Array:
+    length, learned = np.linalg.norm(vector), np.linalg.norm(mean, axis=-1, keepdims=True)
     return np.where(learned > 0.1 * length, mean * length / np.maximum(learned, 1e-9), mean)
 
 
-def support_slide(task: Task, change: GeneralizedChange, settings: PlanSettings) -> Array:
-    """How far the reference point of a support slides in its plane, (3,) m, agent frame; zero for other pairs.
+def vector_shift(task: Task, change: GeneralizedChange) -> Array:
+    """What is to be added to a pair's vector first - second, (3,) m: that of a support is measured from the agent."""
+    second = change.pair.second
+    return task.region_at_start(second) * IN_PLANE if second and change.from_agent else np.zeros(3)
 
-    Things may be placed anywhere on a support: its ellipse is a tolerance, its centre is arbitrary. If the reference
-    point slides all the way, the pair starts as in the mean demonstration and the object is moved relative to where it
-    was; if not at all, it is brought to the place where people brought it. The share between is what the demonstrations
-    tell (`start_share`), but all of it for the part of a start that lies beyond their spread.
+
+@dataclass(frozen=True)
+class Placement:
+    """Where an object is on its support, given where it starts: a regression over the demonstrations.
+
+    Where a person brings an object depends on where it stood: not at all (the pin is rolled in front of the body) to
+    fully (it is set down where it came from). In the plane
+
+        E[A(t) | A(0)] = mean A(t) + slope(t) (A(0) - mean A(0)),  slope(t) = cov(A(t), A(0)) / var A(0)
+
+    where the covariance follows from three learned spreads: 2 cov = var A(t) + var A(0) - var(A(t) - A(0)), the last of
+    the own-start pair. Starts beyond what was demonstrated say nothing about the slope; what exceeds their spread is
+    followed fully: there the object is moved as it was, but elsewhere.
+
+    Attributes:
+        supports: the pairs region - support of the object.
+        own_starts: the same regions against their own starts.
+        start_std: standard deviation of the region's start in the plane, m.
+        offset: (3,) of the region's start from the mean demonstrated one, in the plane, agent frame, m.
     """
-    first, second = change.pair.first, change.pair.second
-    if task.model.mode == "paper" or not settings.slide_supports:
-        return np.zeros(3)
-    if second is None or second.role == first.role or not second.affordance.startswith("place onto"):
-        return np.zeros(3)
-    vector = task.region_at_start(first) - task.region_at_start(second)
-    shift = constraint_type(change.constraint).vector(change.at(np.zeros(1))[0])[0] - vector
-    shift[2] = 0.0
-    distance = max(float(np.linalg.norm(shift)), 1e-9)
-    seen = START_SPREADS * float(np.linalg.norm(vector_std(change, np.zeros(1))[0, :2]))
-    shift *= max(start_share(task, change), 1.0 - seen / distance)
-    reach = 2.0 * task.scene.objects[task.binding[second.role]].region(second.affordance).half_axes.max()
-    return shift * min(1.0, reach / max(float(np.linalg.norm(shift)), 1e-9))
+
+    supports: tuple[GeneralizedChange, ...]
+    own_starts: tuple[GeneralizedChange, ...]
+    start_std: float
+    offset: Array
+
+    def slope(self, times: Array) -> Array:
+        """(K,) how far the object follows its start: 0 not at all, 1 all the way; 1 if all started alike."""
+        at_start = _variance(self.supports, np.zeros(1))[0]
+        if at_start < 1e-6:
+            return np.ones(len(times))
+        away = at_start - _variance(self.own_starts, times)
+        return np.clip((_variance(self.supports, times) + away) / (2.0 * at_start), 0.0, 1.0)
+
+    def further(self, times: Array) -> Array:
+        """(K, 3) m: how much further than in the mean demonstration the region is to be."""
+        beyond = 1.0 - START_SPREADS * self.start_std / max(float(np.linalg.norm(self.offset)), 1e-9)
+        return np.maximum(self.slope(times), beyond)[:, None] * self.offset
 
 
-def start_share(task: Task, change: GeneralizedChange) -> float:
-    """How far an object's place on a support follows its start: 0 not at all, 1 all the way.
-
-    The slope of the regression of d(t) on d(0) over the demonstrations, (var d(t) + var d(0) - var(d(t) - d(0))) /
-    (2 var d(0)) in the plane, the last variance being that of the own-start pair; mean over the keypoints while the
-    object is held. 1 for models without own-start pairs, and for demonstrations that all start alike.
-    """
-    first = change.pair.first
-    own = next((c for c in task.model.changes if c.pair.is_own_start and c.pair.first == first), None)
-    at_start = float(np.square(vector_std(change, np.zeros(1))[0, :2]).sum())
-    moved = next((m for m in task.moved if m.role == first.role), None)
-    if own is None or moved is None or at_start < 1e-6:
-        return 1.0
-    times = task.model.keypoint_times
-    times = times[(times > moved.lift) & (times < moved.place)]
-    if not len(times):
-        return 1.0
-    later = np.square(vector_std(change, times)[:, :2]).sum(axis=1)
-    away = np.square(vector_std(own, times)[:, :2]).sum(axis=1)
-    return float(np.clip((later + at_start - away) / (2.0 * at_start), 0.0, 1.0).mean())
+def _variance(changes: Sequence[GeneralizedChange], times: Array) -> Array:
+    """Sum (K,) of the changes' variances in the plane, m^2."""
+    return np.square([change.at(times)[1][:, :2] for change in changes]).sum(axis=(0, 2))
 
 
-def vector_std(change: GeneralizedChange, times: Array) -> Array:
-    """Standard deviations (K, 3) of a pair's vector, m, from those of its channels, to first order.
-
-    The channels' variances are explained by variances of x, y and z: ``var_c = sum_i (dc/di)^2 var_i``.
-    """
-    from scipy.optimize import nnls
-
-    kind = constraint_type(change.constraint)
-    mean, std = change.at(times)
-    slopes = np.square(kind.jacobian(kind.vector(mean)))
-    return np.sqrt([nnls(slope, variance)[0] for slope, variance in zip(slopes, np.square(std), strict=True)])
+def placement_of(task: Task, region: RegionReference) -> Placement | None:
+    """The placement of a region, or of another one of its object; None if its role has no support."""
+    own_starts = {change.pair.first: change for change in task.model.changes if change.pair.is_own_start}
+    supports = {
+        change.pair.first: change
+        for change in task.model.changes
+        if change.pair.first.role == region.role and change.pair.first in own_starts and change.from_agent
+    }
+    if not supports:
+        return None
+    known = region if region in supports else next(iter(supports))
+    mean, std = supports[known].at(np.zeros(1))
+    return Placement(
+        supports=tuple(supports.values()),
+        own_starts=tuple(own_starts[one] for one in supports),
+        start_std=float(np.linalg.norm(std[0, :2])),
+        offset=(task.region_at_start(known) - mean[0]) * IN_PLANE,
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,8 +95,10 @@ def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = Non
     binding = bind_roles(model.roles, scene.objects, chosen=roles)
     T_agent_world = scene.T_world_agent.inv()
     poses = {name: T_agent_world * pose for name, pose in scene.T_world_object.items()}
-    model = variant_for(model, {role: poses[name].translation for role, name in binding.items()})
     task = Task(model, scene, binding, poses, ())
+    regions = [RegionReference(role.name, affordance) for role in model.roles for affordance in role.affordances]
+    model = variant_for(model, {region: task.region_at_start(region) for region in regions})
+    task = replace(task, model=model)
     moved = []
     for role in model.roles:
         holds = sorted((hold for hold in model.holds if hold.role == role.name), key=lambda hold: hold.hand)

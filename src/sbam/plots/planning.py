@@ -11,7 +11,7 @@ from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionPair, RegionReference, constraint_type
 from sbam.learning.anchors import locate_anchors
-from sbam.learning.generalization import GeneralizedChange
+from sbam.learning.generalization import GeneralizedChange, pair_vector
 from sbam.learning.sketch import DemonstrationSketch, constraint_values
 from sbam.learning.time_alignment import warp
 from sbam.planning.plan import Plan
@@ -69,7 +69,7 @@ def _executed(plan: Plan, change: GeneralizedChange, rows: NDArray[np.int64]) ->
         second = plan.task.region_at_start(change.pair.first)[None]
     else:
         second = _region_path(plan, change.pair.second, rows)
-    values = constraint_values(change.constraint, first - second)
+    values = constraint_values(change.constraint, pair_vector(first, second, change.from_agent))
     learned, _ = change.at(np.clip(plan.clock[rows], 0.0, plan.task.model.duration))
     circular = constraint_type(change.constraint).circular
     turns = np.round(np.mean(learned - values, axis=0) / (2 * np.pi))

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from sbam.constraints import RegionPair
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.learning.binding import Library, bind_demonstration, demonstrated_models
+from sbam.learning.generalization import pair_vector
 from sbam.learning.model import ActionModel
+from sbam.learning.pairs import against_support
 from sbam.learning.sketch import constraint_values
 from sbam.planning.plan import Plan
 from sbam.plots.constraints import plot_spatial_relations
@@ -125,7 +127,9 @@ def demonstrated_channels(
         name = objects[reference.role]
         poses = T_agent_world * demonstration.T_world_object[name]
         paths.append(poses.apply(models[name].region(reference.affordance).center))
-    return constraint_values(constraint, paths[0] - paths[1])
+    role_models = {role: models[name] for role, name in objects.items()}
+    from_agent = against_support(pair, role_models, model.settings)
+    return constraint_values(constraint, pair_vector(paths[0], paths[1], from_agent))
 
 
 def _write(figures: Mapping[str, Figure], folder: str | Path) -> list[Path]:
