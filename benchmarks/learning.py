@@ -1,15 +1,15 @@
-"""How long learning takes: the pouring demonstrations, adding one, a long recording, and growth.
-
-Run with one thread: ``OMP_NUM_THREADS=1 python benchmarks/learning.py``.
-"""
+"""How long learning takes: the pouring demonstrations, adding one, a long recording, growth, and memory."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
+import os
 from dataclasses import replace
 
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+
 import numpy as np
+from measuring import least_seconds, peak_megabytes
 from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import CONSTRAINT_TYPES
@@ -19,16 +19,6 @@ from sbam.learning import LearningSettings, add_demonstration, learn
 
 LIMITS = {"cartesian": 1.5, "cylindrical": 1.5, "symbolic": 4.0}
 """Seconds for the twelve pouring demonstrations."""
-
-
-def seconds(task: Callable[[], object], repetitions: int = 3) -> float:
-    """Least processor time of some repetitions; with one thread that is the time on a core of its own."""
-    best = np.inf
-    for _ in range(repetitions):
-        start = time.process_time()
-        task()
-        best = min(best, time.process_time() - start)
-    return best
 
 
 def row(what: str, taken: float, limit: float | None = None) -> None:
@@ -60,27 +50,31 @@ def main() -> None:
         for name, limit in LIMITS.items():
             model = learn(pouring[:11], name, mode)
             pairs = len(model.changes)
-            row(f"{mode}, {name}, {pairs} pairs", seconds(lambda c=name, m=mode: learn(pouring, c, m)), limit)
-            row("  adding the twelfth", seconds(lambda m=model: add_demonstration(m, pouring[11])), 0.3)
+            row(f"{mode}, {name}, {pairs} pairs", least_seconds(lambda c=name, m=mode: learn(pouring, c, m)), limit)
+            row("  adding the twelfth", least_seconds(lambda m=model: add_demonstration(m, pouring[11])), 0.3)
 
     print("\nA single recording of 60 s at 100 Hz")
     long = generate_rolling(0, strokes=54)
     for name in LIMITS:
-        row(f"default, {name}, {long.duration:.0f} s of rolling", seconds(lambda c=name: learn([long], c)), 5.0)
+        row(f"default, {name}, {long.duration:.0f} s of rolling", least_seconds(lambda c=name: learn([long], c)), 5.0)
 
     print("\nGrowth (cartesian, default)")
     for times in (1, 2, 4, 8):
         demonstration = lasting(pouring[0], times)
-        row(f"  {len(demonstration.time):5d} frames", seconds(lambda d=demonstration: learn([d])))
+        row(f"  {len(demonstration.time):5d} frames", least_seconds(lambda d=demonstration: learn([d])))
     for pairs, count in (("functional", 9), ("all", 10), ("all and own start", 14)):
         settings = replace(
             LearningSettings(), pairs="functional" if pairs == "functional" else "all", own_start_pairs=pairs != "all"
         )
-        row(f"  {count:5d} pairs ({pairs})", seconds(lambda s=settings: learn(pouring, settings=s)))
+        row(f"  {count:5d} pairs ({pairs})", least_seconds(lambda s=settings: learn(pouring, settings=s)))
     for count in (3, 6, 12, 24):
         again = tuple(replace(demonstration, name=f"{demonstration.name} again") for demonstration in pouring)
         demonstrations = (*pouring, *again)[:count]
-        row(f"  {count:5d} demonstrations", seconds(lambda d=demonstrations: learn(d)))
+        row(f"  {count:5d} demonstrations", least_seconds(lambda d=demonstrations: learn(d)))
+
+    print("\nMemory at most, beside the demonstrations themselves")
+    for mode in ("default", "paper"):
+        print(f"  {mode:<56}{peak_megabytes(lambda m=mode: learn(pouring, mode=m)):7.1f} MB")
 
     print("\nResidual and derivative at 30 keypoints of 10 pairs")
     d = np.random.default_rng(0).normal(scale=0.2, size=(30, 10, 3))
@@ -93,7 +87,7 @@ def main() -> None:
                 c.residual(d, t, w, 1e-3)
                 c.residual_jacobian(d, t, w, 1e-3)
 
-        print(f"{name:<58}{seconds(both) * 1e4:7.1f} us")
+        print(f"{name:<58}{least_seconds(both) * 1e4:7.1f} us")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,121 @@
+"""Has something become slower? Measures learning, planning and memory, and compares with `benchmarks/baseline.json`.
+
+Times are ratios to the floor (kinematics and Jacobians of thirty keypoints), so that they hold across machines.
+`python benchmarks/compare.py --update` stores what was measured as the new baseline.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+
+from measuring import floor, grasped, least_seconds, peak_megabytes, problem_of
+
+import sbam
+from sbam.evaluation import random_pouring_scene, random_rolling_scene
+from sbam.files import write_atomically
+from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
+
+BASELINE = Path(__file__).with_name("baseline.json")
+WORSE = 0.25  # share by which a time or a memory may grow before it is named
+AGAIN = 3  # measurements of what seems worse; the least counts
+OBJECTIVE_WORSE = 1e-3  # share by which an objective may grow before it is named
+SEED = 0
+
+Results = dict[str, float]
+
+
+def tasks() -> dict[str, tuple[Callable[[], object], int]]:
+    """Name -> what is timed and how often."""
+    pouring = sbam.built_in_demonstrations("pouring", SEED)
+    rolling = sbam.built_in_demonstrations("rolling", SEED)
+    robot = grasped(SEED).robot
+    found: dict[str, tuple[Callable[[], object], int]] = {}
+    for constraint in ("cartesian", "cylindrical", "symbolic"):
+        found[f"learn, {constraint}"] = (lambda c=constraint: sbam.learn(pouring, c)), 2
+        for mode in ("paper", "default"):
+            problem, start = problem_of(constraint, mode, SEED)
+            found[f"keypoints, {constraint}, objective of {mode}"] = (
+                (lambda p=problem, s=start: solve_whole_trajectory(p, [s])),
+                7,
+            )
+    for task, demonstrations, scene in (
+        ("pouring", pouring, random_pouring_scene(SEED)),
+        ("rolling", rolling, random_rolling_scene(SEED)),
+    ):
+        model = sbam.learn(demonstrations)
+        found[f"plan, {task}"] = (lambda m=model, s=scene: sbam.plan(m, s, robot=robot)), 3
+    return found
+
+
+def ratio(task: Callable[[], object], repetitions: int, floor_task: Callable[[], float]) -> float:
+    """Least time of a task over the least floor around it: the machine may be busier at other times."""
+    before = floor_task()
+    seconds = least_seconds(task, repetitions)
+    return seconds / min(before, floor_task())
+
+
+def measure(baseline: Results) -> Results:
+    """All times as ratios, memory in MB, objectives; what seems worse than the baseline is measured again."""
+    problem, start = problem_of("cartesian", "paper", SEED)
+
+    def floor_task() -> float:
+        return floor(problem, start)
+
+    results: Results = {}
+    for name, (task, repetitions) in tasks().items():
+        task()
+        value = ratio(task, repetitions, floor_task)
+        for _ in range(AGAIN):
+            if value <= (1.0 + WORSE) * baseline.get(name, value):
+                break
+            value = min(value, ratio(task, repetitions, floor_task))
+        results[name] = round(value, 1)
+        solution = task() if name.startswith("keypoints") else None
+        if solution is not None:
+            results[f"{name}: J"] = round(solution.objective, 3)  # pyright: ignore[reportAttributeAccessIssue]
+        if name.startswith("plan") or name == "learn, cartesian":
+            results[f"{name}: MB"] = round(peak_megabytes(task), 1)
+    return results
+
+
+def worsened(results: Results, baseline: Results) -> list[str]:
+    """A line for everything that grew by more than it may."""
+    lines = []
+    for name, value in results.items():
+        before = baseline.get(name)
+        allowed = OBJECTIVE_WORSE if name.endswith(": J") else WORSE
+        if before and value > (1.0 + allowed) * before:
+            lines.append(f"{name}: {before:g} -> {value:g} ({100 * (value / before - 1):+.1f} %)")
+    return lines
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--baseline", type=Path, default=BASELINE)
+    parser.add_argument("--json", type=Path, help="also write what was measured")
+    parser.add_argument("--update", action="store_true", help="make it the new baseline")
+    arguments = parser.parse_args()
+    stored = arguments.baseline.is_file() and not arguments.update
+    baseline: Results = json.loads(arguments.baseline.read_text()) if stored else {}
+    results = measure(baseline)
+    print(f"{'time / floor, MB, or objective J':52s} {'baseline':>9s} {'now':>9s}")
+    for name, value in results.items():
+        print(f"{name:52s} {baseline.get(name, float('nan')):9.1f} {value:9.1f}")
+    text = json.dumps(results, indent=1) + "\n"
+    for path in filter(None, (arguments.json, arguments.baseline if arguments.update else None)):
+        write_atomically(path, text)
+        print(f"wrote {path}")
+    worse = worsened(results, baseline)
+    print(*(worse or ["nothing became worse"]), sep="\n")
+    return 1 if worse else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
