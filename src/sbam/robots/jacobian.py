@@ -31,7 +31,8 @@ def point_jacobian(kinematics: Kinematics, points: Floats, mask: NDArray[np.bool
     if kinematics.is_prismatic.any():
         sliding = kinematics.is_prismatic
         jacobian[..., sliding] = np.broadcast_to(axis, jacobian.shape)[..., sliding]
-    return jacobian * mask[..., None, :]
+    jacobian *= mask[..., None, :]
+    return jacobian
 
 
 def rotation_jacobian(kinematics: Kinematics, mask: NDArray[np.bool_]) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -40,19 +41,25 @@ class Similarity(Term):
     target: Array
     weight: Array
 
-    def _incidence(self, state: State) -> Array:
-        """(P, R) matrix that takes region centres to vectors: 1 at each pair's first region, -1 at its second."""
-        incidence = np.zeros((len(self.pairs), len(state.workspace.regions)))
+    @cached_property
+    def _incidence(self) -> Array:
+        """(P, R) matrix that takes the first R region centres to vectors: 1 at the first region, -1 at the second."""
+        incidence = np.zeros((len(self.pairs), 1 + max(self.first.max(), self.second.max())))
         pairs = np.arange(len(self.pairs))
         incidence[pairs, self.first] = 1.0
         moving = self.second >= 0
         incidence[pairs[moving], self.second[moving]] -= 1.0
         return incidence
 
+    @cached_property
+    def _constant(self) -> Array:
+        """(P, 3) what does not move: the shift, and the start of own-start pairs, m."""
+        return self.shift - np.where(self.second[:, None] >= 0, 0.0, self.origin)
+
     def vector(self, state: State) -> Array:
         """(K, P, 3) vectors first - second, agent frame, m."""
-        still = np.where(self.second[:, None] >= 0, 0.0, self.origin)
-        return self._incidence(state) @ state.region_position + (self.shift - still)
+        incidence = self._incidence
+        return incidence @ state.region_position[:, : incidence.shape[1]] + self._constant
 
     def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
         """(K, P, m) residual of each pair."""
@@ -61,8 +68,9 @@ class Similarity(Term):
     def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
         """(K, P, m, n) by the chain rule through the pair's vector."""
         outer = self.constraint.residual_jacobian(self.vector(state), self.target, self.weight, delta_rho=smoothing.rho)
-        regions = state.region_jacobian
-        inner = self._incidence(state) @ regions.reshape(*regions.shape[:2], -1)
+        incidence = self._incidence
+        regions = state.region_jacobian[:, : incidence.shape[1]]
+        inner = incidence @ regions.reshape(*regions.shape[:2], -1)
         return outer @ inner.reshape(*inner.shape[:2], *regions.shape[2:])
 
     def groups(self) -> tuple[str, ...]:
