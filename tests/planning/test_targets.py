@@ -13,6 +13,7 @@ from sbam.planning.settings import PlanSettings
 from sbam.planning.targets import (
     START_SPREADS,
     Placement,
+    compared_changes,
     pair_target,
     placement_of,
     vector_shift,
@@ -99,6 +100,15 @@ def test_own_start_and_support_agree_on_where_an_object_is_to_be(rolling):
         start = rolling.region_at_start(support.pair.first)
         there = pair_target(rolling, own, times, DEFAULT) + start
         np.testing.assert_allclose(there[:, :2], pair_target(rolling, support, times, DEFAULT)[:, :2], atol=5e-3)
+
+
+def test_what_own_start_and_support_both_say_counts_once(rolling, pouring):
+    for task in (rolling, pouring):
+        compared = compared_changes(task, DEFAULT)
+        for change in task.model.changes:
+            twice = change.pair.is_own_start and change.pair.first in {c.pair.first for c in support_pairs(task)}
+            assert any(change is one for one in compared) != twice
+        assert len(compared_changes(task, replace(DEFAULT, slide_supports=False))) == len(task.model.changes)
 
 
 def test_people_roll_before_the_body_wherever_the_pin_lay(rolling):

@@ -13,7 +13,7 @@ from sbam.demonstrations.demonstration import Hand
 from sbam.planning.problem import Problem
 from sbam.planning.settings import PlanSettings
 from sbam.planning.state import Carrying, RegionPoint, Workspace
-from sbam.planning.targets import pair_target, vector_shift
+from sbam.planning.targets import compared_changes, pair_target, vector_shift
 from sbam.planning.task import Task
 from sbam.planning.terms import Closure, Damping, HumanLikeness, NaturalJoints, Resting, Similarity, Smoothness, Term
 from sbam.planning.weights import pair_weights
@@ -98,7 +98,7 @@ def _similarities(
     index = {reference: i for i, reference in enumerate(references)}
     terms = []
     for name in sorted({change.constraint for change in task.model.changes}):
-        changes = [change for change in task.model.changes if change.constraint == name]
+        changes = [change for change in compared_changes(task, settings) if change.constraint == name]
         constraint = constraint_type(name).in_mode(task.model.mode)
         target = np.stack([pair_target(task, change, times, settings) for change in changes], axis=1)
         weight = np.stack([pair_weights(task.model, c, times, settings.proximity) for c in changes], axis=1)

@@ -52,6 +52,16 @@ def _of_length(mean: Array, vector: Array) -> Array:
     return np.where(learned > 0.1 * length, mean * length / np.maximum(learned, 1e-9), mean)
 
 
+def compared_changes(task: Task, settings: PlanSettings) -> list[GeneralizedChange]:
+    """The pairs that the objective compares: all but own-start pairs of regions that have a support.
+
+    Given the start, both say the same (`Placement`); twice it would outweigh what objects are to each other.
+    """
+    follows = task.model.mode == "default" and settings.slide_supports
+    placed = {change.pair.first for change in task.model.changes if change.from_agent and follows}
+    return [c for c in task.model.changes if not (c.pair.is_own_start and c.pair.first in placed)]
+
+
 def vector_shift(task: Task, change: GeneralizedChange) -> Array:
     """What is to be added to a pair's vector first - second, (3,) m: that of a support is measured from the agent."""
     second = change.pair.second
