@@ -141,7 +141,7 @@ def test_holding_fingers_may_touch_what_they_hold(robot, collisions):
     report = collisions.clearances(q, poses, held)
     assert report.distance_by_class["arm-object"][0] < 0 < report.distance_by_class["arm-object"][1]
     in_the_palm = {**poses, "cup_large": RigidTransform.from_translation([0, 0, 0.06]) * poses["cup_large"]}
-    assert collisions.clearances(q, in_the_palm, held).distance_by_class["arm-object"][1] < 0
+    assert collisions.clearances(q, in_the_palm, held).distance_by_class["palm-object"][1] < 0
     wrong_hand = {("cup_large", "right"): np.array([True, True])}
     assert (collisions.clearances(q, poses, wrong_hand).distance_by_class["arm-object"] < 0).all()
 

@@ -30,6 +30,7 @@ COMBINATIONS = 60  # combinations whose clearance is measured at once, the best 
 MOST = 4  # times that
 ENOUGH_CLEAR = 6  # combinations that keep clear; more are not looked for
 HUMAN = 0.7  # score per unit of the weighted t_h
+SKIP = 2  # of so many checkpoints one is looked at for the clearance; the whole motion is cleared later
 COMFORTABLE = 0.03  # m: more clearance than this is not better
 
 
@@ -235,7 +236,7 @@ def choose_grasps(
         followed = follow_grasps(robot, collision, moved, hand, poses[moved.role], seed, human_likeness)[:EXAMINE]
         joints = robot.frame_joints(robot.arms[hand].tcp_frame)
         configurations = np.array([np.where(joints, item.configurations, robot.home) for item in followed])
-        clearance = _clearances(task, collision, configurations, poses, ("self", "arm-support", "arm-object"))
+        clearance = _clearances(task, collision, configurations, poses, ("self", "arm-support", "arm-object", "palm-object"))
         scored = [replace(item, score=item.score + _penalty(c)) for item, c in zip(followed, clearance, strict=True)]
         options.append(sorted(scored, key=lambda item: item.score)[:KEEP])
     combinations = sorted(product(*options), key=lambda items: sum(item.score for item in items))
@@ -284,9 +285,10 @@ def _clearances(
     poses: Mapping[str, RigidTransform],
     kinds: Sequence[str],
 ) -> Array:
-    """(G,) smallest distance of the given classes over all checkpoints of (G, M, n) configurations, m."""
+    """(G,) smallest distance of the given classes over every other checkpoint of (G, M, n) configurations, m."""
+    configurations = configurations[:, ::SKIP]
     grasps, checkpoints, joints = configurations.shape
-    every = np.tile(np.arange(checkpoints), grasps)
+    every = np.tile(SKIP * np.arange(checkpoints), grasps)
     objects = dict(task.T_agent_object)
     objects.update({moved.name: poses[moved.role][every] for moved in task.moved})
     always = np.ones(len(every), dtype=bool)

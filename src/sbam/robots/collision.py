@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import RigidTransform
 
 from sbam.errors import UnknownNameError
-from sbam.robots.collision_pairs import PAIR_CLASSES, collision_pairs, gripping_bodies
+from sbam.robots.collision_pairs import PAIR_CLASSES, collision_pairs, gripping_bodies, hand_bodies
 from sbam.robots.collision_shapes import CollisionShapes
 from sbam.robots.description import ArmName
 from sbam.robots.robot import Robot
@@ -81,8 +81,9 @@ class CollisionModel:
 
     Pair classes: ``arm-arm``; ``self`` (an arm with itself or the robot's body, links that share a joint excepted);
     ``arm-support`` (what joints move, with immovable objects); ``arm-object`` (with movable objects, the fingers of the
-    holding hand excepted); ``object-object`` (movable objects, when one of them is held). Objects on their supports are
-    not compared: they touch by intention. Pairs that the robot's model file excludes stay excluded.
+    holding hand excepted); ``object-object`` (movable objects, when one of them is held); ``palm-object`` (the rest of
+    the holding hand with what it holds: near by intention, but not inside it). Objects on their supports are not
+    compared: they touch by intention. Pairs that the robot's model file excludes stay excluded.
     """
 
     def __init__(
@@ -98,7 +99,7 @@ class CollisionModel:
         self.robot = robot
         self.shapes = CollisionShapes(robot, objects)
         self._pairs, self._classes = collision_pairs(robot, self.shapes, objects, allowed)
-        self._hands = {side: gripping_bodies(robot, side) for side in robot.arms}
+        self._hands = {side: (gripping_bodies(robot, side), hand_bodies(robot, side)) for side in robot.arms}
 
     def clearances(
         self,
@@ -121,14 +122,14 @@ class CollisionModel:
         """
         position, rotation = self.shapes.poses(configurations, T_world_object)
         count = len(position)
-        sample, pair, bound = self._candidates(position, rotation, held, distance_max)
+        sample, pair, kind, bound = self._candidates(position, rotation, held, distance_max)
         kinds = len(PAIR_CLASSES)
         least, closest = [distance_max] * (count * kinds), [-1] * (count * kinds)
         # nearest bound first: most of the others need no exact distance then
         order = np.lexsort((bound, sample))
-        sample, pair, bound = sample[order], pair[order], bound[order]
+        sample, pair, kind, bound = sample[order], pair[order], kind[order], bound[order]
         measure = _Measure(self.shapes, position, rotation)
-        cells = sample * kinds + self._classes[pair]
+        cells = sample * kinds + kind
         for cell, at, which, low in zip(cells.tolist(), sample.tolist(), pair.tolist(), bound.tolist(), strict=True):
             if low < least[cell]:
                 distance = measure(at, self._pairs[which], least[cell])
@@ -151,20 +152,20 @@ class CollisionModel:
     ) -> NearPairs:
         """All pairs of shapes nearer than a margin, with their nearest points; arguments as in `clearances`."""
         position, rotation = self.shapes.poses(configurations, T_world_object)
-        sample, pair, _ = self._candidates(position, rotation, held, margin)
+        sample, pair, kind, _ = self._candidates(position, rotation, held, margin)
         measure = _Measure(self.shapes, position, rotation)
         distance, points = np.empty(len(sample)), np.empty((len(sample), 6))
         for i in range(len(sample)):
             distance[i] = measure(sample[i], self._pairs[pair[i]], margin)
             points[i] = measure.points
         keep = distance < margin
-        sample, pair, distance, points = sample[keep], pair[keep], distance[keep], points[keep]
+        sample, pair, kind, distance, points = sample[keep], pair[keep], kind[keep], distance[keep], points[keep]
         first, second = points[:, :3], points[:, 3:]
         scale = np.where(np.abs(distance) > 1e-9, distance, np.inf)
         owners = self.shapes.owner[self._pairs[pair]].reshape(-1, 2)
         return NearPairs(
             sample=sample,
-            pair_class=self._classes[pair],
+            pair_class=kind,
             first=tuple(self.shapes.owners[i] for i in owners[:, 0]),
             second=tuple(self.shapes.owners[i] for i in owners[:, 1]),
             distance=distance,
@@ -175,24 +176,27 @@ class CollisionModel:
 
     def _candidates(
         self, position: Floats, rotation: Floats, held: Held | None, distance: float
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
-        """Sample, pair and lower bound of what may be near and counts."""
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], Floats]:
+        """Sample, pair, class and lower bound of the distance of what may be near and counts."""
         sample, pair, bound = self.shapes.near(position, rotation, self._pairs, distance)
         owners = self.shapes.owner[self._pairs[pair]].reshape(-1, 2)
         index = {name: i for i, name in enumerate(self.shapes.owners)}
         is_held = np.zeros((len(position), len(index)), dtype=bool)
         keep = np.ones(len(sample), dtype=bool)
+        kind = self._classes[pair]
         for (name, side), mask in (held or {}).items():
             body = index[self.shapes.known_object(name)]
             mask = np.asarray(mask, dtype=bool)
             is_held[:, body] |= mask
             if side not in self._hands:
                 raise UnknownNameError("arm", side, self._hands, "a held object's arm")
-            hand = [index[link] for link in self._hands[side] if link in index]
-            keep &= ~(mask[sample] & (owners == body).any(axis=1) & np.isin(owners, hand).any(axis=1))
+            with_it = mask[sample] & (owners == body).any(axis=1)
+            fingers, hand = ([index[link] for link in links if link in index] for links in self._hands[side])
+            keep &= ~(with_it & np.isin(owners, fingers).any(axis=1))
+            kind[with_it & np.isin(owners, hand).any(axis=1)] = PAIR_CLASSES.index("palm-object")
         loose = ~(is_held[sample, owners[:, 0]] | is_held[sample, owners[:, 1]])
-        keep &= ~(loose & (self._classes[pair] == PAIR_CLASSES.index("object-object")))
-        return sample[keep], pair[keep], bound[keep]
+        keep &= ~(loose & (kind == PAIR_CLASSES.index("object-object")))
+        return sample[keep], pair[keep], kind[keep], bound[keep]
 
     def _names(self, pair: int) -> tuple[str, str] | None:
         if pair < 0:

@@ -13,7 +13,7 @@ from sbam.robots.description import ArmName
 from sbam.robots.robot import Robot
 from sbam.scene import ObjectModel
 
-PAIR_CLASSES = ("arm-arm", "self", "arm-support", "arm-object", "object-object")
+PAIR_CLASSES = ("arm-arm", "self", "arm-support", "arm-object", "object-object", "palm-object")
 """Names of the pair classes, see `sbam.robots.collision.CollisionModel`."""
 
 
