@@ -1,5 +1,7 @@
 """The paper's solver: slow, but it decreases the same objective within the same limits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -31,3 +33,12 @@ def test_nothing_left_to_gain_stays(small_plan, problem_of):
     solution = solve_nelder_mead(problem, optimum.configurations[0], evaluations=2)
     assert solution.objective == pytest.approx(optimum.objective, rel=1e-3)
     assert solution.objective <= optimum.objective
+
+
+def test_a_person_s_posture_can_be_wanted_too(small_plan, problem_of):
+    """The term for human-likeness looks at more frames than the two end effectors, which alone are moved."""
+    wanted = replace(small_plan, settings=replace(small_plan.settings, human_likeness=1.0))
+    problem = problem_of(wanted, small_plan.task.model.keypoint_times[[12]])
+    start = small_plan.solution.configurations[8]
+    solution = solve_nelder_mead(problem, start, evaluations=3)
+    assert problem.merit(problem.state(solution.configurations)) < problem.merit(problem.state(start[None]))

@@ -69,12 +69,13 @@ def _solve_keypoint(problem: Problem, previous: Array, evaluations: int) -> tupl
     workspace = problem.workspace
     arms = workspace.arms
     origin = problem.state(previous[None]).kinematics
+    start_position, start_rotation = origin.position[0, : len(arms)], origin.rotation[0, : len(arms)]
     best = [problem.merit(problem.state(previous[None])), previous]
 
     def merit(parameters: Array) -> float:
         offsets = parameters.reshape(len(arms), 6)
-        position = origin.position[0] + offsets[:, :3]
-        rotation = Rotation.from_rotvec(offsets[:, 3:]).as_matrix() @ origin.rotation[0]
+        position = start_position + offsets[:, :3]
+        rotation = Rotation.from_rotvec(offsets[:, 3:]).as_matrix() @ start_rotation
         q = solve_poses(
             workspace.robot,
             arms,
