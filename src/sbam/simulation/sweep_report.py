@@ -102,9 +102,14 @@ def _map(rows: Sequence[Row], title: str) -> bytes:
 
     robots = list(dict.fromkeys(row["robot"] for row in rows))
     constraints = list(dict.fromkeys(row["constraint"] for row in rows))
-    figure = Figure(figsize=(3.2 * len(constraints) + 0.6, 2.9 * len(robots) + 1.0), dpi=100, layout="constrained")
-    grid = figure.subplots(len(robots), len(constraints), squeeze=False, sharex=True, sharey=True)
     names = list(rows[0]["places"])
+    spots = np.array([list(row["places"].values()) for row in rows]).reshape(-1, 2)
+    low, high = spots.min(axis=0) - 0.05, spots.max(axis=0) + 0.05
+    width = 3.2
+    height = width * float(np.clip((high - low)[1] / (high - low)[0], 0.4, 1.5)) + 0.4
+    size = (width * len(constraints) + 0.8, height * len(robots) + 1.2)
+    figure = Figure(figsize=size, dpi=100, layout="constrained")
+    grid = figure.subplots(len(robots), len(constraints), squeeze=False, sharex=True, sharey=True)
     for axes, robot in zip(grid, robots, strict=True):
         for panel, constraint in zip(axes, constraints, strict=True):
             own = [row for row in rows if row["robot"] == robot and row["constraint"] == constraint]
@@ -114,11 +119,12 @@ def _map(rows: Sequence[Row], title: str) -> bytes:
                 panel.plot(places[:, 0], places[:, 1], color=color, linewidth=0.8, alpha=0.5)
                 panel.plot(*places[-1], color=color, marker=marker, markersize=6, alpha=0.8)
             panel.set_title(f"{robot}, {constraint}: {sum(row['ok'] for row in own)} of {len(own)}", fontsize=9)
-            panel.set_aspect("equal")
+            panel.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+        axes[0].set_ylabel("before the agent, m", fontsize=9)
+    for panel in grid[-1]:
+        panel.set_xlabel("to the agent's right, m", fontsize=9)
     to = f" (a line leads to it from {names[0]})" if len(names) > 1 else ""
     figure.suptitle(f"{title}: where {names[-1]} stood{to}", fontsize=10)
-    figure.supxlabel("to the agent's right, m", fontsize=9)
-    figure.supylabel("before the agent, m", fontsize=9)
     marks = [Line2D([], [], color=c, marker=m, linestyle="", label=label) for label, (c, m) in LOOKS.items()]
     figure.legend(handles=marks, loc="outside lower center", ncols=3, fontsize=8)
     content = io.BytesIO()
