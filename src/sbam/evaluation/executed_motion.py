@@ -12,7 +12,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.constraints import RegionReference
 from sbam.planning.free_flight import solve_free_flight
-from sbam.planning.object_path import object_path
+from sbam.planning.object_path import object_path, shapes_of
 from sbam.planning.plan import Plan
 from sbam.planning.settings import PlanSettings
 from sbam.planning.task import Task
@@ -91,7 +91,11 @@ def flight(task: Task, settings: PlanSettings) -> ExecutedMotion:
     solution, poses = solve_free_flight(task, settings)
     times = task.model.keypoint_times
     clock = np.linspace(0.0, times[-1], round(times[-1] / FLIGHT_STEP) + 1)
-    paths = {moved.role: object_path(task, moved, times, poses[moved.role], clock).pose for moved in task.moved}
+    shapes = shapes_of(task) if settings.between == "primitive" else {}
+    paths = {
+        moved.role: object_path(task, moved, times, poses[moved.role], clock, shapes.get(moved.role)).pose
+        for moved in task.moved
+    }
     seconds = wall.perf_counter() - begin
     return ExecutedMotion(task, poses, clock, clock, paths, solution.objective, None, (), seconds)
 

@@ -30,7 +30,12 @@ FORMAT_VERSION = 1
 
 _LINE = 110
 """What fits into this many characters is written on one line."""
-_MATRICES = {("HandHold", "hand_position"), ("SketchedRole", "start"), ("SketchedPath", "position"), ("SketchedPath", "rotation")}
+_MATRICES = {
+    ("HandHold", "hand_position"),
+    ("SketchedRole", "start"),
+    ("SketchedPath", "position"),
+    ("SketchedPath", "rotation"),
+}
 """Array fields with rows of three, by class and field; all other arrays have one axis."""
 
 

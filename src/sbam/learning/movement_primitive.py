@@ -1,8 +1,8 @@
 """Via-point movement primitives: the shape of a demonstrated motion, bent through given points (Zhou et al. 2019).
 
 A path is y(x) = h(x) + psi(x)^T w: h runs straight from start to end, psi are Gaussians along time, w is normally
-distributed over the demonstrations. Conditioning w on via-points gives the path that goes through them and is as near to
-the demonstrated shapes as that allows.
+distributed over the demonstrations. Conditioning w on via-points gives the path that goes through them and is as near
+to the demonstrated shapes as that allows.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 RATE = 10.0  # Hz: positions are smoothed below 5 Hz before they are sketched
 SPACING = 0.15  # s between the centres of the basis functions, and their width
 RIDGE = 1e-3  # of the least squares: keeps weights finite where basis functions have no samples
-CERTAINTY = 1e-4  # standard deviation with which a via-point is known, in the unit of the path
+CERTAINTY = 2e-3  # standard deviation with which a via-point is known, in the unit of the path; the rest is a remainder
 DIGITS = 6  # of what is kept of a path: micrometres and microradians
 
 

@@ -7,14 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import pchip_interpolate
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.demonstration import Hand
 from sbam.planning.approach import Way, way_to_grasp
+from sbam.planning.demonstrated_shape import DemonstratedShape
 from sbam.planning.follow import follow
 from sbam.planning.grasps import Grasp
 from sbam.planning.object_path import SMOOTHING, ObjectPath, object_path
@@ -24,6 +27,7 @@ from sbam.robots.collision import CollisionModel
 
 Array = NDArray[np.float64]
 
+MARGIN = 25  # ticks
 STEP = 0.02  # s between the configurations that are solved for
 CLOSING_TIME = 0.3  # s in which the fingers close before the lift and open after the place
 
@@ -64,7 +68,8 @@ def make_motion(
     keypoint_times: Array,
     configurations: Array,
     object_poses: Mapping[str, RigidTransform],
-    interpolate_joints: bool = False,
+    joints_between: Literal["lines", "splines"] | None = None,
+    shapes: Mapping[str, DemonstratedShape] | None = None,
 ) -> Motion:
     """Make the dense motion from the optimised keypoints.
 
@@ -76,12 +81,14 @@ def make_motion(
         keypoint_times: (K,) s.
         configurations: (K, n) optimised configurations, which settle the redundancy.
         object_poses: role -> K poses at the keypoints, agent frame.
-        interpolate_joints: interpolate the joints linearly between keypoints, as the paper does, instead of what is
-            wanted.
+        joints_between: interpolate the joints between keypoints instead of what is wanted: by straight lines, as the
+            paper does, or by monotone cubic splines.
+        shapes: role -> how its object moved in the demonstrations, to be kept between keypoints.
 
     Raises:
         UnreachableError: names hand, object, time and joint where the dense motion cannot be followed.
     """
+    shapes = shapes or {}
     home = robot.clip(robot.home)
     before = task.T_agent_object
     after = {**before, **{moved.name: moved.put_down for moved in task.moved}}
@@ -89,11 +96,14 @@ def make_motion(
     for moved in task.moved:
         for hand in moved.hands:
             grasp = grasps[moved.role, hand]
-            if interpolate_joints:
+            if joints_between == "splines":
+                hold = pchip_interpolate(keypoint_times, configurations, _hold_clock(moved))
+            elif joints_between == "lines":
                 ticks = _hold_clock(moved)
                 hold = np.stack([np.interp(ticks, keypoint_times, column) for column in configurations.T], axis=-1)
             else:
-                hold = _hold(task, robot, moved, grasp, keypoint_times, configurations, object_poses[moved.role])
+                pose = _held_pose(task, moved, keypoint_times, object_poses[moved.role], shapes.get(moved.role))
+                hold = _hold(robot, moved, grasp, keypoint_times, configurations, pose)
             approach = way_to_grasp(robot, collision, before, moved.start, grasp, hold[0], STEP)
             retreat = way_to_grasp(robot, collision, after, moved.put_down, grasp, hold[-1], STEP)
             held[moved.role, hand], reaches[moved.role, hand] = hold, (approach, retreat)
@@ -110,7 +120,10 @@ def make_motion(
             phases += _place_on_clock(
                 clock, path, joints, moved, hand, held[moved.role, hand], *reaches[moved.role, hand]
             )
-    objects = tuple(object_path(task, moved, keypoint_times, object_poses[moved.role], clock) for moved in task.moved)
+    objects = tuple(
+        object_path(task, moved, keypoint_times, object_poses[moved.role], clock, shapes.get(moved.role))
+        for moved in task.moved
+    )
     return Motion(clock, path, objects, tuple(sorted(phases, key=lambda phase: (phase.hand, phase.start))))
 
 
@@ -119,25 +132,37 @@ def _hold_clock(moved: MovedObject) -> Array:
     return STEP * np.arange(np.floor(moved.lift / STEP), np.ceil(moved.place / STEP) + 1.0, dtype=np.float64)
 
 
+def _longer(clock: Array) -> Array:
+    """A hold's clock with `MARGIN` more ticks at both ends.
+
+    What is smoothed over them equals, on the hold, what is smoothed over the whole clock.
+    """
+    more = STEP * np.arange(1, MARGIN + 1)
+    return np.concatenate([clock[0] - more[::-1], clock, clock[-1] + more])
+
+
+def _held_pose(
+    task: Task, moved: MovedObject, keypoint_times: Array, poses: RigidTransform, shape: DemonstratedShape | None
+) -> RigidTransform:
+    """M poses of an object on every tick of `_hold_clock`."""
+    time = _longer(_hold_clock(moved))
+    return object_path(task, moved, keypoint_times, poses, time, shape).pose[MARGIN:-MARGIN]
+
+
 def _hold(
-    task: Task,
     robot: Robot,
     moved: MovedObject,
     grasp: Grasp,
     keypoint_times: Array,
     configurations: Array,
-    poses: RigidTransform,
+    pose: RigidTransform,
 ) -> Array:
     """Configurations (M, n) of one arm that keep its grasp of the object on every tick of `_hold_clock`."""
     clock = _hold_clock(moved)
-    # Smooth over a longer stretch than the hold, so that the path equals the one on the whole clock.
-    margin = STEP * np.arange(1, 26)
-    extended = np.concatenate([clock[0] - margin[::-1], clock, clock[-1] + margin])
-    pose = object_path(task, moved, keypoint_times, poses, extended).pose[25:-25]
     tcp = pose * grasp.T_object_tcp
-    clipped = np.clip(extended, moved.lift, moved.place)
+    clipped = np.clip(_longer(clock), moved.lift, moved.place)
     reference = np.stack([np.interp(clipped, keypoint_times, column) for column in configurations.T], axis=-1)
-    reference = gaussian_filter1d(reference, SMOOTHING / STEP, axis=0, mode="nearest")[25:-25]
+    reference = gaussian_filter1d(reference, SMOOTHING / STEP, axis=0, mode="nearest")[MARGIN:-MARGIN]
     solved = follow(robot, grasp.hand, tcp, reference, f"holding {moved.name!r}", clock)
     return solved
 

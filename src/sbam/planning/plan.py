@@ -21,6 +21,7 @@ from sbam.planning.free_flight import solve_free_flight
 from sbam.planning.grasp_selection import FollowedGrasp, choose_grasps
 from sbam.planning.grasps import Grasp
 from sbam.planning.motion import Motion, Phase, make_motion
+from sbam.planning.object_path import shapes_of
 from sbam.planning.reachability import unreached
 from sbam.planning.settings import PlanSettings
 from sbam.planning.solvers.result import Solution
@@ -181,10 +182,13 @@ def _plan_with(
     else:
         solution = solve_whole_trajectory(problem, [start])
 
+    between = settings.between or ("lines" if settings.solver == "paper" else "poses")
+    shapes = shapes_of(task) if between == "primitive" else {}
+
     def move(solution: Solution) -> Motion:
         poses = problem.state(solution.configurations).object_poses()
-        linear = settings.solver == "paper"
-        return make_motion(task, robot, collision, grasps, times, solution.configurations, poses, linear)
+        joints = between if between in ("lines", "splines") else None
+        return make_motion(task, robot, collision, grasps, times, solution.configurations, poses, joints, shapes)
 
     clock.enter("motion")
     motion = move(solution)

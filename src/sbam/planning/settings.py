@@ -9,6 +9,7 @@ from typing import Literal, get_args
 from sbam.errors import SettingsError
 
 Solver = Literal["default", "paper"]
+Between = Literal["poses", "primitive", "splines", "lines"]
 Posture = Literal["directions", "joints"]
 SAMPLE_RATES = (10.0, 10_000.0)  # Hz
 
@@ -21,6 +22,9 @@ class PlanSettings:
         solver: ``default`` (all keypoints at once) or ``paper`` (Nelder-Mead over end-effector poses, keypoint by
             keypoint, joints interpolated linearly).
         human_likeness: weight lambda_h of t_h; None takes the robot's default (0 where it says so).
+        between: what runs between keypoints: ``poses`` of the objects, the arms follow; the same in the demonstrated
+            shape, as a movement ``primitive``; or the joints, by ``splines`` or, as in the paper, by straight
+            ``lines``. None takes poses, or with the paper's solver lines.
         posture: what t_h compares with a person's natural posture: ``directions`` of upper arm and forearm (any robot),
             or ``joints``, SOA_q over the first five joints of arms like ARMAR's.
         damping: t_d in mode ``default``: constant weight, 1/m.
@@ -43,6 +47,7 @@ class PlanSettings:
 
     solver: Solver = "default"
     human_likeness: float | None = None
+    between: Between | None = None
     posture: Posture = "directions"
     damping: float = 10.0
     smoothness: float = 0.05
@@ -60,6 +65,8 @@ class PlanSettings:
         """Refuse what makes no sense, before it costs time or lets a trajectory pass that is too fast."""
         if self.solver not in get_args(Solver):
             raise SettingsError("solver", self.solver, " or ".join(map(repr, get_args(Solver))))
+        if self.between is not None and self.between not in get_args(Between):
+            raise SettingsError("between", self.between, " or ".join(map(repr, get_args(Between))))
         if self.posture not in get_args(Posture):
             raise SettingsError("posture", self.posture, " or ".join(map(repr, get_args(Posture))))
         for name in ("damping", "smoothness", "proximity", "clearance", "margin", "human_likeness"):
