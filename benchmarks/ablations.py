@@ -26,10 +26,13 @@ PLAN = PlanSettings()
 LEARNING_OFF = {
     "time by start and end only": {"time_alignment": "phase"},
     "time in seconds": {"time_alignment": "seconds"},
+    "one order for all": {"variants": False},
     "no own-start pairs": {"own_start_pairs": False},
     "all pairs": {"pairs": "all"},
     "weights of the paper": {"mode": "paper"},
     "update rule of the paper": {"update_rule": "paper"},
+    "supports from their centre": {"supports": "center"},
+    "sizes blur orientations": {"mean_length": False},
     "upright pairs of the model's type": {"upright_as_cartesian": False},
     "all samples": {"segmentation_rate": None},
     "strokes as they are": {"equalize_strokes": False},
@@ -39,7 +42,7 @@ LEARNING_OFF = {
 PLANNING_OFF = {
     "no damping": {"damping": 0.0},
     "no smoothness": {"smoothness": 0.0},
-    "supports stay": {"slide_supports": False},
+    "places whatever the start": {"slide_supports": False},
     "no proximity": {"proximity": 0.0},
     "lengths as learned": {"rigid_length": False},
 }
@@ -47,6 +50,7 @@ PLANNING_OFF = {
 PAPER_ON = {
     "paper + time by start and end": {"time_alignment": "phase"},
     "paper + events": {"time_alignment": "events"},
+    "paper + events, variants": {"time_alignment": "events", "variants": True},
     "paper + own-start pairs": {"own_start_pairs": True},
     "paper + functional pairs": {"pairs": "functional"},
     "paper + our weights": {"mode": "default"},

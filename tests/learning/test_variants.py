@@ -78,6 +78,7 @@ def test_the_bottle_beyond_the_cup_is_another_order(model):
 @pytest.mark.parametrize("demonstration", DEMONSTRATIONS, ids=lambda demonstration: demonstration.name)
 def test_each_layout_finds_its_own_order(model, demonstration):
     variant = variant_for(model, starts(sbam.scene_from_demonstration(demonstration), model))
+    assert bind(model, sbam.scene_from_demonstration(demonstration)).notes == variant.notes[-1:]
     assert (demonstration.name in LEFT) == (names(variant) == LEFT)
     assert demonstration.name in names(variant)
     assert str(len(variant.demonstrations)) in variant.notes[-1]

@@ -37,7 +37,7 @@ from sbam.scene import Scene
 
 Array = NDArray[np.float64]
 
-CHECKPOINTS = 20  # keypoints at which grasps are tried
+CHECKPOINTS = 12  # keypoints at which grasps are tried
 ATTEMPTS = 8  # combinations of grasps that are carried through to a trajectory before giving up
 DEFAULT_ROBOT = "panda_dual"
 
@@ -129,6 +129,7 @@ def plan(
     if not isinstance(robot, Robot):
         robot = load_robot(robot or scene.robot or DEFAULT_ROBOT)
     robot, notes = start_from(robot.placed_for(RigidTransform.identity()), start or {})
+    notes = (*task.notes, *notes)
     clock.enter("free flight")
     free, poses = solve_free_flight(task, settings)
     clock.enter("grasps")

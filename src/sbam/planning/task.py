@@ -64,6 +64,7 @@ class Task:
         binding: role -> name of the object in the scene.
         T_agent_object: object name -> pose at the start, agent frame.
         moved: the objects that are moved.
+        notes: a sentence for each choice that was made on the way.
     """
 
     model: ActionModel
@@ -71,6 +72,7 @@ class Task:
     binding: Mapping[str, str]
     T_agent_object: Mapping[str, RigidTransform]
     moved: tuple[MovedObject, ...]
+    notes: tuple[str, ...] = ()
 
     def region_center(self, reference: RegionReference) -> Array:
         """Centre of a region in its object's frame, (3,) m."""
@@ -97,8 +99,9 @@ def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = Non
     poses = {name: T_agent_world * pose for name, pose in scene.T_world_object.items()}
     task = Task(model, scene, binding, poses, ())
     regions = [RegionReference(role.name, affordance) for role in model.roles for affordance in role.affordances]
-    model = variant_for(model, {region: task.region_at_start(region) for region in regions})
-    task = replace(task, model=model)
+    variant = variant_for(model, {region: task.region_at_start(region) for region in regions})
+    notes = () if variant is model else variant.notes[-1:]
+    model, task = variant, replace(task, model=variant)
     moved = []
     for role in model.roles:
         holds = sorted((hold for hold in model.holds if hold.role == role.name), key=lambda hold: hold.hand)
@@ -133,7 +136,7 @@ def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = Non
                     "per action: learn them as two actions"
                 )
             holder[hand] = item.role
-    return Task(model, scene, binding, poses, tuple(moved))
+    return Task(model, scene, binding, poses, tuple(moved), notes)
 
 
 def _put_down(task: Task, role: str) -> RigidTransform:
