@@ -153,20 +153,21 @@ def _check_hold(
 ) -> Sequence[Check]:
     """A hand keeps its grasp from closing to opening: in the object's frame the TCP stands still."""
     held = (clock >= _phase(motion, grasp, "grasp").start) & (clock <= _phase(motion, grasp, "place").end)
-    slip = grasp.T_object_tcp.inv() * pose[held].inv() * tcp[held]
+    pose, tcp = pose[held], tcp[held]
+    R_object_agent = pose.rotation.inv()
+    slip = R_object_agent.apply(tcp.translation - pose.translation) - grasp.T_object_tcp.translation
+    turn = (R_object_agent * tcp.rotation * grasp.T_object_tcp.rotation.inv()).magnitude()
     name = next(moved.name for moved in task.moved if moved.role == grasp.role)
     time = trajectory.time[held]
     return [
         _largest(
             f"{grasp.hand} hand keeps its place on {name}",
-            np.linalg.norm(slip.translation, axis=1),
+            np.linalg.norm(slip, axis=1),
             min(CLOSURE_POSITION, JUMP),
             "m",
             time,
         ),
-        _largest(
-            f"{grasp.hand} hand keeps its angle on {name}", slip.rotation.magnitude(), CLOSURE_ROTATION, "rad", time
-        ),
+        _largest(f"{grasp.hand} hand keeps its angle on {name}", turn, CLOSURE_ROTATION, "rad", time),
     ]
 
 

@@ -78,9 +78,9 @@ def follow_grasps(
     grasps = candidate_grasps(robot, collision, moved, hand)
     joints = np.flatnonzero(robot.frame_joints(robot.arms[hand].tcp_frame))
     checkpoints, count = len(poses), len(grasps)
-    tcp = [poses * grasp.T_object_tcp for grasp in grasps]
-    position = np.array([t.translation for t in tcp])  # (G, M, 3)
-    rotation = np.array([t.rotation.as_matrix() for t in tcp])  # (G, M, 3, 3)
+    T_object_tcp = np.array([grasp.T_object_tcp.as_matrix() for grasp in grasps])
+    T_agent_tcp = poses.as_matrix() @ T_object_tcp[:, None]  # (G, M, 4, 4)
+    position, rotation = T_agent_tcp[..., :3, 3], T_agent_tcp[..., :3, :3]
     hardest = int(np.argmax((poses.rotation * moved.start.rotation.inv()).magnitude()))
 
     q, reached, nearest = _at_hardest(robot, hand, position[:, hardest], rotation[:, hardest], seed)
@@ -236,7 +236,9 @@ def choose_grasps(
         followed = follow_grasps(robot, collision, moved, hand, poses[moved.role], seed, human_likeness)[:EXAMINE]
         joints = robot.frame_joints(robot.arms[hand].tcp_frame)
         configurations = np.array([np.where(joints, item.configurations, robot.home) for item in followed])
-        clearance = _clearances(task, collision, configurations, poses, ("self", "arm-support", "arm-object", "palm-object"))
+        clearance = _clearances(
+            task, collision, configurations, poses, ("self", "arm-support", "arm-object", "palm-object")
+        )
         scored = [replace(item, score=item.score + _penalty(c)) for item, c in zip(followed, clearance, strict=True)]
         options.append(sorted(scored, key=lambda item: item.score)[:KEEP])
     combinations = sorted(product(*options), key=lambda items: sum(item.score for item in items))
