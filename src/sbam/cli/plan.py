@@ -49,6 +49,10 @@ class Plan(VerbOptions):
     posture: Annotated[
         Literal["directions", "joints"], arg(help="What is compared with a person: arms, or ARMAR's joints.")
     ] = "directions"
+    between: Annotated[
+        Literal["poses", "primitive", "splines", "lines"] | None,
+        arg(metavar="poses|primitive|splines|lines", help="What runs between keypoints; default: the solver's way."),
+    ] = None
     clearance: Annotated[float, arg(help="Distance to keep from what is not touched on purpose, m.")] = 0.0
     speed: Annotated[float, arg(help="Share of the robot's velocity limits, above 0 to 1.")] = 0.5
     seed: Annotated[int, arg(help="Seed of the random starts.")] = 0
@@ -77,6 +81,7 @@ class Plan(VerbOptions):
             solver=self.solver,
             human_likeness=self.human_likeness,
             posture=self.posture,
+            between=self.between,
             clearance=self.clearance,
             speed=self.speed,
             seed=self.seed,

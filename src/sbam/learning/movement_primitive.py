@@ -73,8 +73,10 @@ def _continuous(rotation_vectors: Array) -> Array:
     result = rotation_vectors.copy()
     for i in range(1, len(result)):
         angle = float(np.linalg.norm(result[i]))
-        if angle > 1e-6:
-            axis = result[i] / angle
+        along = result[i] if angle > 1e-6 else result[i - 1]  # a full turn has no axis of its own
+        length = float(np.linalg.norm(along))
+        if length > 1e-6:
+            axis = along / length
             turns = round((float(axis @ result[i - 1]) - angle) / (2 * np.pi))
             result[i] += 2 * np.pi * turns * axis
     return result
