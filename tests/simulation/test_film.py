@@ -38,6 +38,19 @@ def test_a_film_can_be_read_and_lasts_as_long_as_the_action(short, first, tmp_pa
     assert frames / 25 == pytest.approx(short.record.time[-1], abs=0.1)
 
 
+def test_a_film_for_web_pages_shows_a_stretch_from_near(short, first, tmp_path: Path) -> None:
+    from PIL import Image
+
+    write_film(short, tmp_path / "clip.webp", between=(0.2, 0.8), size=(160, 120), close=True)
+    with Image.open(tmp_path / "clip.webp") as clip:
+        assert clip.size == (160, 120)
+        assert clip.n_frames == pytest.approx(0.6 * 12.5, abs=1)
+        clip.seek(0)
+        early = np.array(clip.convert("RGB")).astype(int)
+        clip.seek(clip.n_frames - 1)
+        assert np.abs(np.array(clip.convert("RGB")) - early).max() > 30
+
+
 def test_moments_side_by_side(short, first, tmp_path: Path) -> None:
     write_film(short, tmp_path / "moments.png", view="above")
     assert (tmp_path / "moments.png").read_bytes().startswith(b"\x89PNG")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -20,31 +20,49 @@ from sbam.viewer.pictures import open_offscreen
 Image = NDArray[np.uint8]
 
 FRAMES_PER_SECOND = 25
+WEB_FRAMES_PER_SECOND = 12.5
 SIZE = (640, 480)
 MOMENTS = 6
+NEAR = 0.55  # of the distance of a view
+ABOVE = 0.08  # m above the objects' origins, which are at their feet
 
 
-def write_film(result: SimulationResult, path: str | Path, view: str = "opposite") -> None:
-    """Write a film (``.mp4``, H.264, in real time) or a picture of moments side by side (``.png``).
+def write_film(
+    result: SimulationResult,
+    path: str | Path,
+    view: str = "opposite",
+    between: tuple[float, float] | None = None,
+    size: tuple[int, int] = SIZE,
+    close: bool = False,
+) -> None:
+    """Write a film in real time (``.mp4``: H.264; ``.webp``: for web pages), or moments side by side (``.png``).
 
     Args:
         result: what happened.
         path: where to; its suffix says what.
         view: one of `sbam.viewer.camera.VIEWS`.
+        between: first and last time of a film, s; by default all of it.
+        size: width and height of a film, pixels.
+        close: look from near at what moves in a film.
 
     Raises:
         RenderingError: if the machine has no OpenGL that works without a screen.
-        MissingExtraError: if PyAV, which writes films, is not installed.
+        MissingExtraError: if PyAV, which writes ``.mp4``, is not installed.
         SimulationError: for another suffix.
         OutputError: if the file cannot be written.
     """
     path = Path(path)
+    first, last = between or (0.0, float(result.record.time[-1]))
     if path.suffix == ".png":
         write_atomically(path, picture(result, moments(result), view))
     elif path.suffix == ".mp4":
-        write_atomically(path, _film(result, view))
+        times = np.arange(first, last, 1.0 / FRAMES_PER_SECOND)
+        write_atomically(path, _mp4(images(result, frames_at(result, times), view, size, close), size))
+    elif path.suffix == ".webp":
+        times = np.arange(first, last, 1.0 / WEB_FRAMES_PER_SECOND)
+        write_atomically(path, _webp(images(result, frames_at(result, times), view, size, close)))
     else:
-        raise SimulationError(f"{path}: a film is .mp4, a picture .png")
+        raise SimulationError(f"{path}: a film is .mp4 or .webp, a picture .png")
 
 
 def moments(result: SimulationResult, count: int = MOMENTS) -> list[int]:
@@ -56,19 +74,32 @@ def moments(result: SimulationResult, count: int = MOMENTS) -> list[int]:
     return np.linspace(first, last, count).round().astype(int).tolist()
 
 
-def frames_at(result: SimulationResult, times: Sequence[float]) -> list[int]:
+def frames_at(result: SimulationResult, times: Iterable[float]) -> list[int]:
     """The frames of the record nearest to times, s."""
     return [int(np.abs(result.record.time - time).argmin()) for time in times]
 
 
-def images(result: SimulationResult, frames: Sequence[int], view: str = "opposite") -> Iterator[Image]:
+def images(
+    result: SimulationResult,
+    frames: Sequence[int],
+    view: str = "opposite",
+    size: tuple[int, int] = SIZE,
+    close: bool = False,
+) -> Iterator[Image]:
     """Pictures (height, width, 3) of frames of the record.
+
+    Args:
+        result: what happened.
+        frames: which.
+        view: one of `sbam.viewer.camera.VIEWS`.
+        size: width and height, pixels.
+        close: look from near at the middle of what moves.
 
     Raises:
         RenderingError: if the machine has no OpenGL that works without a screen.
     """
     model, T_world_agent = result.world.model, result.action.scene.T_world_agent
-    width, height = SIZE
+    width, height = size
     context, gl = open_offscreen(model, width, height)
     try:
         wanted = view_named(view)
@@ -77,6 +108,10 @@ def images(result: SimulationResult, frames: Sequence[int], view: str = "opposit
         camera.lookat[:] = T_world_agent.apply(LOOK_AT)
         camera.azimuth = wanted.azimuth_deg + heading_deg(T_world_agent)
         camera.elevation, camera.distance = wanted.elevation_deg, wanted.distance
+        if close:
+            places = [pose.translation[list(frames)] for pose in result.record.T_world_object.values()]
+            camera.lookat[:] = np.mean(places, axis=(0, 1)) + np.array([0.0, 0.0, ABOVE])
+            camera.distance *= NEAR
         scene, option, data = mujoco.MjvScene(model, maxgeom=2000), mujoco.MjvOption(), mujoco.MjData(model)
         option.sitegroup[:] = 0
         rectangle = mujoco.MjrRect(0, 0, width, height)
@@ -94,22 +129,30 @@ def images(result: SimulationResult, frames: Sequence[int], view: str = "opposit
         gl.free()
 
 
-def _film(result: SimulationResult, view: str) -> bytes:
+def _mp4(frames: Iterator[Image], size: tuple[int, int]) -> bytes:
     try:
         import av
     except ImportError as error:
         raise MissingExtraError("films", "av", "video") from error
-    time = result.record.time
-    frames = np.searchsorted(time, np.arange(0.0, time[-1], 1.0 / FRAMES_PER_SECOND)).tolist()
     content = io.BytesIO()
     with av.open(content, "w", format="mp4") as container:
         stream = container.add_stream("libx264", rate=Fraction(FRAMES_PER_SECOND))
-        stream.width, stream.height = SIZE
+        stream.width, stream.height = size
         stream.pix_fmt = "yuv420p"
         stream.options = {"crf": "23", "preset": "fast"}
-        for image in images(result, frames, view):
+        for image in frames:
             container.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="rgb24")))
         container.mux(stream.encode())
+    return content.getvalue()
+
+
+def _webp(frames: Iterator[Image]) -> bytes:
+    from PIL.Image import fromarray  # comes with matplotlib
+
+    first, *others = (fromarray(frame) for frame in frames)
+    content = io.BytesIO()
+    duration = round(1000 / WEB_FRAMES_PER_SECOND)
+    first.save(content, "WEBP", save_all=True, append_images=others, duration=duration, loop=0, quality=75, method=4)
     return content.getvalue()
 
 
