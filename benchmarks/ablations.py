@@ -32,7 +32,6 @@ LEARNING_OFF = {
     "weights of the paper": {"mode": "paper"},
     "update rule of the paper": {"update_rule": "paper"},
     "supports from their centre": {"supports": "center"},
-    "sizes blur orientations": {"mean_length": False},
     "upright pairs of the model's type": {"upright_as_cartesian": False},
     "all samples": {"segmentation_rate": None},
     "strokes as they are": {"equalize_strokes": False},

@@ -214,12 +214,13 @@ def _build(
         used, notes = equalize_sketches(sketches, settings)
     axis = _time_axis(used, settings)
     pairs = _watched_pairs(used, settings)
-    watched = [[candidate for candidate in sketch.candidates if candidate.pair in pairs] for sketch in used]
-    if settings.mean_length:
-        watched = [list(row) for row in zip(*map(of_mean_length, zip(*watched, strict=True)), strict=True)]
     changes: tuple[GeneralizedChange, ...] = ()
-    for index, found in enumerate(watched):
-        candidates = [_aligned(candidate, axis.anchors.times[index], axis.model) for candidate in found]
+    for index, sketch in enumerate(used):
+        candidates = [
+            _aligned(candidate, axis.anchors.times[index], axis.model)
+            for candidate in sketch.candidates
+            if candidate.pair in pairs
+        ]
         changes = _generalized(changes, candidates, index + 1, settings, axis.model)
     model = _assembled(name, constraint, settings, used, changes, axis)
     return replace(model, demonstrations=sketches, notes=notes + model.notes)
@@ -257,22 +258,6 @@ def _aligned(candidates: PairCandidates, own: Array, model: Array) -> PairCandid
         value = np.interp(time, channel.time, channel.value)
         channels.append(ChannelCandidates(warp(time, own, model), value))
     return replace(candidates, channels=tuple(channels))
-
-
-def of_mean_length(candidates: Sequence[PairCandidates]) -> Sequence[PairCandidates]:
-    """One pair of D demonstrations; within one object, brought to the mean length of the objects shown.
-
-    Such a pair carries an orientation. That cartons differ in size must not count as a spread of it.
-    """
-    if not candidates[0].pair.is_same_object or candidates[0].constraint != "cartesian":
-        return candidates
-    lengths = np.linalg.norm([[channel.value[0] for channel in found.channels] for found in candidates], axis=1)
-    if lengths.min() <= 0.0:
-        return candidates
-    return [
-        replace(found, channels=tuple(replace(channel, value=channel.value * scale) for channel in found.channels))
-        for found, scale in zip(candidates, lengths.mean() / lengths, strict=True)
-    ]
 
 
 def _generalized(

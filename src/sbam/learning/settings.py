@@ -29,8 +29,6 @@ class LearningSettings:
             others from the ``center`` of its region.
         upright_as_cartesian: models of every type see same-object pairs along the upright axis as Cartesian, because
             their azimuth is undefined while the object stands.
-        mean_length: with ``events``, pairs within one object are brought to the mean length of the objects shown,
-            so that objects of several sizes do not blur the orientation.
         update_rule: of the standard deviation: exact (``welford``), or the ``paper``'s, which over-estimates.
         segmentation_rate: the data are thinned to this rate before segmentation, Hz; None keeps all of them.
         segmentation_epsilon: a segment is good if its area is below epsilon * amplitude * duration.
@@ -48,7 +46,6 @@ class LearningSettings:
     time_alignment: Literal["events", "phase", "seconds"] = "events"
     equalize_strokes: bool = True
     variants: bool = True
-    mean_length: bool = True
     pairs: Literal["functional", "all"] = "functional"
     own_start_pairs: bool = True
     supports: Literal["agent", "center"] = "agent"
@@ -82,7 +79,6 @@ class LearningSettings:
             time_alignment="seconds",
             equalize_strokes=False,
             variants=False,
-            mean_length=False,
             pairs="all",
             own_start_pairs=False,
             supports="center",

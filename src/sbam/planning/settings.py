@@ -29,8 +29,8 @@ class PlanSettings:
             or ``joints``, SOA_q over the first five joints of arms like ARMAR's.
         damping: t_d in mode ``default``: constant weight, 1/m.
         smoothness: coefficient of the squared joint steps between keypoints, 1/rad^2.
-        slide_supports: in mode ``default``, whether pairs against a support (``place onto``) start from wherever the
-            object stands on it instead of from the support's centre.
+        slide_supports: in mode ``default``, whether the places of objects on a support follow where they start as the
+            demonstrations tell; see `sbam.planning.targets.Placement`.
         rigid_length: in mode ``default``, whether pairs within one object are brought to the object's own length.
         proximity: in mode ``default``, spread of a pair that is expected before any demonstration, per distance of its
             regions; see `sbam.planning.weights`.
