@@ -134,6 +134,13 @@ def test_urdf_against_a_chain_by_hand(urdf_robot):
     np.testing.assert_array_equal(urdf_robot.is_continuous, [False, True, False] * 2)
 
 
+def test_solver_settings_of_a_model_are_dropped_in_silence(write_torso_robot):
+    """Warnings are errors here."""
+    option = '<option cone="elliptic" impratio="10" timestep="0.5"><flag gravity="disable"/></option><worldbody>'
+    robot = load_robot(write_torso_robot({"<worldbody>": option}, in_model=True))
+    assert (robot.model.opt.cone, robot.model.opt.impratio, robot.model.opt.disableflags) == (0, 1.0, 0)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -61,6 +61,7 @@ def compose(
     for index, part in enumerate(description.parts):
         path = find_model(part.model, description.path, f"$.parts[{index}].model")
         child = read_model(path, meshes=meshes).spec
+        child.option = spec.option  # the files' solver settings are of no account, and MuJoCo warns where they differ
         if path.suffix == ".urdf":
             _check_urdf_joints(description, part.prefix, urdf_joints(path))
         stand_on_base(child)
