@@ -25,8 +25,9 @@ class DampedSystem:
         Raises:
             numpy.linalg.LinAlgError: if the matrix is not positive definite.
         """
-        from scipy.linalg import cholesky_banded
+        from scipy.linalg import get_lapack_funcs
 
+        factorize, self._solve = get_lapack_funcs(("pbtrf", "pbtrs"), dtype=np.float64)
         self._free = free
         count, joints, _ = model.diagonal.shape
         index = np.arange(joints)
@@ -49,12 +50,12 @@ class DampedSystem:
         blocks[:, 0] = diagonal
         blocks[:-1, 1] = coupling[1:]
         columns = band[: size * count].reshape(joints * count, 2 * joints)
-        self._factor = cholesky_banded(columns.T, overwrite_ab=True, lower=True, check_finite=False)
+        self._factor, failed = factorize(columns.T, lower=1, overwrite_ab=1)
+        if failed:
+            raise np.linalg.LinAlgError(f"not positive definite in row {failed}")
 
     def step(self, gradient: Array) -> Array:
         """(K, n) solution for a gradient g (K, n)."""
-        from scipy.linalg import cho_solve_banded
-
         right = np.where(self._free, -gradient, 0.0)
-        solution = cho_solve_banded((self._factor, True), right.ravel(), overwrite_b=True, check_finite=False)
+        solution, _ = self._solve(self._factor, right.ravel(), lower=1, overwrite_b=1)
         return solution.reshape(gradient.shape)
