@@ -77,8 +77,9 @@ def measure(baseline: Results) -> Results:
                 break
             value = min(value, ratio(task, repetitions, floor_task))
         results[name] = round(value, 1)
-        solution = task() if name.startswith("keypoints") else None
-        if solution is not None:
+        # The azimuth of nearly vertical vectors makes the remaining one change with every rounding (docs, "Speed").
+        if name.startswith("keypoints") and name != "keypoints, symbolic, objective of paper":
+            solution = task()
             results[f"{name}: J"] = round(solution.objective, 3)  # pyright: ignore[reportAttributeAccessIssue]
         if name.startswith("plan") or name == "learn, cartesian":
             results[f"{name}: MB"] = round(peak_megabytes(task), 1)
