@@ -30,7 +30,6 @@ COMBINATIONS = 60  # combinations whose clearance is measured at once, the best 
 MOST = 4  # times that
 ENOUGH_CLEAR = 6  # combinations that keep clear; more are not looked for
 HUMAN = 0.7  # score per unit of the weighted t_h
-SKIP = 2  # of so many checkpoints one is looked at for the clearance; the whole motion is cleared later
 COMFORTABLE = 0.03  # m: more clearance than this is not better
 
 
@@ -287,10 +286,9 @@ def _clearances(
     poses: Mapping[str, RigidTransform],
     kinds: Sequence[str],
 ) -> Array:
-    """(G,) smallest distance of the given classes over every other checkpoint of (G, M, n) configurations, m."""
-    configurations = configurations[:, ::SKIP]
+    """(G,) smallest distance of the given classes over all checkpoints of (G, M, n) configurations, m."""
     grasps, checkpoints, joints = configurations.shape
-    every = np.tile(SKIP * np.arange(checkpoints), grasps)
+    every = np.tile(np.arange(checkpoints), grasps)
     objects = dict(task.T_agent_object)
     objects.update({moved.name: poses[moved.role][every] for moved in task.moved})
     always = np.ones(len(every), dtype=bool)

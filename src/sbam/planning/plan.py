@@ -136,6 +136,7 @@ def plan(
     checkpoints = _checkpoints(task)
     at_checkpoints = {role: pose[checkpoints] for role, pose in poses.items()}
     best: Plan | None = None
+    missing: _Attempt | None = None
     trouble: UnreachableError | TrajectoryError | None = None
     collision = collision_model(task, robot)
     weight = human_likeness_weight(robot, settings)
@@ -143,7 +144,11 @@ def plan(
     # The paper's solver takes a minute each time, and its faults do not come from the grasps.
     for chosen in _in_turn(combinations, ATTEMPTS if settings.solver == "default" else 1):
         try:
-            candidate = _plan_with(task, robot, collision, settings, chosen, checkpoints, free, clock, notes)
+            attempt = _attempt(task, robot, collision, settings, chosen, checkpoints, free, clock)
+            if attempt.missed:  # other grasps may miss nothing: not worth timing yet
+                missing = missing or attempt
+                continue
+            candidate = _verified(attempt, task, robot, collision, settings, free, clock, notes)
         except (UnreachableError, TrajectoryError) as error:
             trouble = trouble or error
             continue
@@ -151,12 +156,24 @@ def plan(
             best = candidate
         if best.ok:
             break
+    if best is None and missing is not None:
+        best = _verified(missing, task, robot, collision, settings, free, clock, notes)
     if best is None:
         raise trouble or UnreachableError(f"{robot.name} finds no grasps for the whole action")
     return best
 
 
-def _plan_with(
+@dataclass(frozen=True)
+class _Attempt:
+    """What one combination of grasps leads to, before it is timed; ``missed`` says which keypoints are out of reach."""
+
+    grasps: Mapping[tuple[str, Hand], Grasp]
+    solution: Solution
+    motion: Motion
+    missed: tuple[str, ...]
+
+
+def _attempt(
     task: Task,
     robot: Robot,
     collision: CollisionModel,
@@ -165,9 +182,8 @@ def _plan_with(
     checkpoints: NDArray[np.int_],
     free: Solution,
     clock: _Stopwatch,
-    notes: tuple[str, ...],
-) -> Plan:
-    """Carry one combination of grasps through to a verified trajectory."""
+) -> _Attempt:
+    """Carry one combination of grasps through to a dense motion."""
     times = task.model.keypoint_times
     grasps = {key: followed.grasp for key, followed in chosen.items()}
     clock.enter("keypoints")
@@ -196,25 +212,39 @@ def _plan_with(
     if settings.solver == "default" and settings.avoid_collisions:
         clock.enter("avoidance")
         solution, motion = keep_clear(task, robot, collision, problem, solution, motion, move, times, settings)
+    return _Attempt(grasps, solution, motion, tuple(unreached(problem, solution, free, times)))
+
+
+def _verified(
+    attempt: _Attempt,
+    task: Task,
+    robot: Robot,
+    collision: CollisionModel,
+    settings: PlanSettings,
+    free: Solution,
+    clock: _Stopwatch,
+    notes: tuple[str, ...],
+) -> Plan:
+    """Time a motion and check it."""
+    grasps, motion = attempt.grasps, attempt.motion
     clock.enter("timing")
     trajectory, model_time = time_path(robot, motion.clock, motion.configurations, settings.speed, settings.sample_rate)
     clock.enter("checks")
     execution = execute(task, robot, collision, grasps, motion, trajectory, model_time, settings.clearance)
     checks = (*check_receivers(robot, trajectory, robot.clip(robot.home), settings.speed), *execution.checks)
-    problems = [*unreached(problem, solution, free, times), *failed(checks)]
     return Plan(
         task=task,
         robot=robot,
         settings=settings,
         grasps=grasps,
-        solution=solution,
+        solution=attempt.solution,
         free_flight=free,
         trajectory=trajectory,
         clock=model_time,
         phases=phase_times(motion, trajectory, model_time),
         T_agent_object=execution.T_agent_object,
         checks=checks,
-        problems=tuple(problems),
+        problems=(*attempt.missed, *failed(checks)),
         notes=notes,
         seconds=clock.stop(),
     )
