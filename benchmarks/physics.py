@@ -45,6 +45,7 @@ def main() -> None:
     parser.add_argument("--constraints", nargs="+", default=["cartesian", "cylindrical", "symbolic"])
     parser.add_argument("--modes", nargs="+", default=["default"])
     parser.add_argument("--scenes", type=int, default=20)
+    parser.add_argument("--paper-scenes", type=int, help="fewer scenes for mode paper, which takes a minute a plan")
     parser.add_argument("--jobs", type=int, default=-1)
     arguments = parser.parse_args()
     patterns = {"pouring": ("mmlfd_pouring/*.csv", "kit_bimanual/Pour*.xml"), "rolling": ("kit_bimanual/RollOut*.xml",)}
@@ -71,15 +72,14 @@ def main() -> None:
             arguments.constraints,
             arguments.modes,
             arguments.scenes,
+            arguments.paper_scenes,
             arguments.jobs,
-            lambda done, total: print(f"{done} of {total} trials", end="\r", flush=True),
+            progress=lambda done, total: print(f"{done} of {total} trials", end="\r", flush=True),
         )
-        print("\n" + (Path(arguments.folder) / "physics.md").read_text())
-        for row in report["rows"]:
-            if not row["ok"]:
-                print(
-                    f"{row['task']} {row['constraint']} {row['mode']} scene {row['seed']}: {'; '.join(row['problems'])}"
-                )
+        for table in ("success", "physics"):
+            print("\n" + (Path(arguments.folder) / f"{table}.md").read_text())
+        failed = [row for row in report["rows"] if not row["ok"]]
+        print(f"{len(failed)} of {len(report['rows'])} failed: see {arguments.folder}/failures.md")
 
 
 if __name__ == "__main__":
