@@ -54,6 +54,7 @@ class Plan(VerbOptions):
         arg(metavar="poses|primitive|splines|lines", help="What runs between keypoints; default: the solver's way."),
     ] = None
     clearance: Annotated[float, arg(help="Distance to keep from what is not touched on purpose, m.")] = 0.0
+    margin: Annotated[float, arg(help="Distance beyond it that is sought where something is nearer, m.")] = 0.01
     speed: Annotated[float, arg(help="Share of the robot's velocity limits, above 0 to 1.")] = 0.5
     seed: Annotated[int, arg(help="Seed of the random starts.")] = 0
     formats: Annotated[tuple[Format, ...], arg(help="Formats of the trajectory.")] = ("npz", "csv")
@@ -83,6 +84,7 @@ class Plan(VerbOptions):
             posture=self.posture,
             between=self.between,
             clearance=self.clearance,
+            margin=self.margin,
             speed=self.speed,
             seed=self.seed,
         )
