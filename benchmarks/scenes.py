@@ -8,7 +8,6 @@ import time
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
-
 import joblib
 import numpy as np
 
@@ -21,19 +20,22 @@ from sbam.evaluation import (
     random_pouring_scene,
     random_rolling_scene,
 )
+from sbam.planning.base_search import reach_where_it_stands
 
 
-def run(task: str, constraint: str, seed: int, model: object, robot: str) -> dict[str, object]:
+def run(task: str, constraint: str, seed: int, model: sbam.ActionModel, robot: str) -> dict[str, object]:
     scene = random_pouring_scene(seed) if task == "pouring" else random_rolling_scene(seed)
     begin = time.perf_counter()
     try:
         plan = sbam.plan(model, scene, robot=robot)
     except SbamError as error:
+        miss = max(reach_where_it_stands(model, scene, robot).miss.values())
+        why = f"out of reach by {1e3 * miss:.0f} mm" if miss else "within reach"
         return {
             "task": task,
             "constraint": constraint,
             "seed": seed,
-            "problems": [str(error)],
+            "problems": [f"{error} ({why})"],
             "values": {},
             "seconds": 0,
         }

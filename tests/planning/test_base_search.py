@@ -7,9 +7,10 @@ import pytest
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.scenes import starting_scene
+from sbam.evaluation import random_pouring_scene
 from sbam.planning.base_report import base_option, base_report, sentences
 from sbam.planning.base_room import has_room, stay_on_their_supports
-from sbam.planning.base_search import BaseMap, search_base, shifted
+from sbam.planning.base_search import BaseMap, reach_where_it_stands, search_base, shifted
 from sbam.planning.plan import plan
 from sbam.planning.task import bind
 from sbam.robots import load_robot
@@ -82,3 +83,14 @@ def test_objects_stay_on_the_table(model_of, scene):
     task = bind(model_of("rolling"), scene)
     shifts = np.array([[0, 0], [0, -0.2], [0, -0.6], [0, 0.5], [3, 0]])
     np.testing.assert_array_equal(stay_on_their_supports(task, shifts), [True, True, False, False, False])
+
+
+def test_by_how_much_a_hand_misses(model_of):
+    """In this scene ARMAR-7's right arm is at the end of its reach; 10 cm farther back it misses about as much."""
+    scene = random_pouring_scene(5)
+    place = reach_where_it_stands(model_of("pouring"), scene, "armar7:forward=-0.1")
+    missed = {hand: miss for (_, hand), miss in place.miss.items()}
+    assert 0.05 < missed["right"] < 0.2
+    assert not place.reaches
+    assert place.planned is None
+    assert reach_where_it_stands(model_of("pouring"), scene, "panda_dual").reaches

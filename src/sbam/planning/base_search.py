@@ -29,6 +29,7 @@ FORWARD = np.linspace(-0.5, 0.5, 11)  # m
 TURN = np.linspace(-30.0, 30.0, 3)  # degrees, positive to the left
 ON_THE_WAY = 9  # places between here and a place that does, among which a nearer one is looked for
 TURN_LENGTH = 0.005  # m: a degree of turning counts as much as moving by this
+ALL, RANDOM_STARTS = 10_000, 5  # grasps and further starts where the robot stands
 TRIED = 3  # places that are planned for, until one does
 AS_GOOD = 0.8  # share of the grasps at the end of the way with which a place on it is as good
 COMFORTABLE = 0.25  # share of the best place's grasps with which a place is good enough
@@ -125,13 +126,8 @@ def search_base(
         UnreachableError: if an object fits a hand nowhere.
         UnknownNameError: if the robot or a role is not known.
     """
-    settings = settings or PlanSettings()
-    task = bind(model, scene, roles)
-    if not isinstance(robot, Robot):
-        robot = load_robot(robot or scene.robot or DEFAULT_ROBOT)
-    robot = robot.placed_for(RigidTransform.identity())
-    _, poses = solve_free_flight(task, settings)
-    targets = hand_targets(task, robot, poses, settings.seed)
+    search = _prepared(model, scene, robot, settings or PlanSettings(), roles)
+    task, robot, targets = search.task, search.robot, search.targets
     steps = len(turn) + 2
     say = progress or (lambda done, total: None)
     shape = (len(turn), len(forward), len(right))
@@ -143,9 +139,8 @@ def search_base(
     moves = np.concatenate(layered)
     found = Reach(np.concatenate([r.miss for r in layers]), np.concatenate([r.share for r in layers]))
     room = has_room(robot, task, _bases(robot, moves))
-    search = _Search(task, robot, settings, targets, roles)
     say(len(turn), steps)
-    here = search.checked(search.places(np.zeros((1, 3)))[0])
+    here = search.checked(search.here())
     base = objects = here
     if not here.planned:
         miss, share = found.miss.max(axis=1), found.share.min(axis=1)
@@ -169,17 +164,51 @@ def search_base(
     )
 
 
+def reach_where_it_stands(
+    model: ActionModel, scene: Scene, robot: Robot | str | None = None, roles: Mapping[str, str] | None = None
+) -> Place:
+    """How a robot reaches a whole task from its default place; arguments as in `search_base`.
+
+    It is not planned for: a robot that reaches may still collide, and where a single grasp would do it may be missed.
+    """
+    return _prepared(model, scene, robot, PlanSettings(), roles).here()
+
+
+def _prepared(
+    model: ActionModel,
+    scene: Scene,
+    robot: Robot | str | None,
+    settings: PlanSettings,
+    roles: Mapping[str, str] | None,
+) -> _Search:
+    task = bind(model, scene, roles)
+    if not isinstance(robot, Robot):
+        robot = load_robot(robot or scene.robot or DEFAULT_ROBOT)
+    robot = robot.placed_for(RigidTransform.identity())
+    _, poses = solve_free_flight(task, settings)
+    return _Search(task, robot, settings, poses, hand_targets(task, robot, poses, settings.seed), roles)
+
+
 @dataclass(frozen=True)
 class _Search:
     task: Task
     robot: Robot
     settings: PlanSettings
+    poses: Mapping[str, RigidTransform]
     targets: tuple[HandTargets, ...]
     roles: Mapping[str, str] | None
 
+    def here(self) -> Place:
+        """Measure where the robot stands, with all grasps and more starts than elsewhere."""
+        every = hand_targets(self.task, self.robot, self.poses, self.settings.seed, most=ALL)
+        at = np.zeros((1, 3))
+        return self._places(at, reach_from(self.robot, every, _bases(self.robot, at), RANDOM_STARTS))[0]
+
     def places(self, moves: Array) -> list[Place]:
         """Measure moves (B, 3) of the base."""
-        reach = _measure(self.robot, self.targets, moves)
+        return self._places(moves, _measure(self.robot, self.targets, moves))
+
+    def _places(self, moves: Array, reach: Reach) -> list[Place]:
         keys: list[tuple[str, Hand]] = [(self.task.binding[target.role], target.hand) for target in self.targets]
         return [
             Place(*map(float, move), miss=dict(zip(keys, map(float, miss), strict=True)), share=float(share.min()))
@@ -225,8 +254,6 @@ class _Search:
 
     def checked(self, place: Place, objects: bool = False) -> Place:
         """The place, with the word on whether a plan passes; ``objects``: they have moved instead of the base."""
-        if not place.reaches:
-            return replace(place, planned=False)
         scene, robot = self.task.scene, self.robot
         if objects:
             scene = shifted(scene, place.right, place.forward)

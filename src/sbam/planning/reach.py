@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.demonstration import Hand
-from sbam.planning.approach import STANDOFF
+from sbam.planning.approach import STANDOFFS
 from sbam.planning.grasps import candidate_grasps
 from sbam.planning.inverse_kinematics import ROTATION_LENGTH, PoseSolution, solve_poses
 from sbam.planning.task import Task
@@ -23,7 +23,7 @@ from sbam.robots.collision import CollisionModel
 
 Array = NDArray[np.float64]
 
-GRASPS = 24  # of the candidates, drawn at random
+GRASPS = 24  # of the candidates, drawn at random, where many bases are measured
 CHECKPOINTS = 5  # evenly from the first lift to the last place
 REACHED = 2e-3  # m: a smaller miss is none
 WORTH_ANOTHER_START = 0.3  # m: what misses by more than this from one start is out of reach
@@ -67,7 +67,7 @@ class Reach:
 
 
 def hand_targets(
-    task: Task, robot: Robot, poses: Mapping[str, RigidTransform], seed: int = 0
+    task: Task, robot: Robot, poses: Mapping[str, RigidTransform], seed: int = 0, most: int = GRASPS
 ) -> tuple[HandTargets, ...]:
     """What a task asks of a robot's hands.
 
@@ -76,6 +76,7 @@ def hand_targets(
         robot: its hands say which grasps there are; where it stands is of no account.
         poses: role -> K poses at the model's keypoints, agent frame.
         seed: of the choice among the grasps.
+        most: how many grasps of each hand are chosen.
 
     Raises:
         UnreachableError: if no grasp fits a hand.
@@ -93,13 +94,13 @@ def hand_targets(
         along = RigidTransform.concatenate([moved.start, poses[moved.role][moments], moved.put_down])
         for hand in moved.hands:
             grasps = candidate_grasps(robot, collision, moved, hand)
-            some = generator.permutation(len(grasps))[:GRASPS]
+            some = generator.permutation(len(grasps))[:most]
             approach = np.array(robot.arms[hand].hand.approach)
             positions, rotations = [], []
             for grasp in (grasps[i] for i in some):
                 tcp = along * grasp.T_object_tcp
                 away = np.zeros((len(tcp), 1))
-                away[[0, -1]] = STANDOFF
+                away[[0, -1]] = min(STANDOFFS)
                 positions.append(tcp.translation - away * tcp.rotation.apply(approach))
                 rotations.append(tcp.rotation.as_matrix())
             hardest = 1 + int(np.searchsorted(moments, most))
@@ -107,20 +108,26 @@ def hand_targets(
     return tuple(targets)
 
 
-def reach_from(robot: Robot, targets: tuple[HandTargets, ...], T_agent_base: RigidTransform) -> Reach:
+def reach_from(
+    robot: Robot, targets: tuple[HandTargets, ...], T_agent_base: RigidTransform, random_starts: int = 0
+) -> Reach:
     """Measure how well a robot reaches from B places of its base.
 
     Args:
         robot: the robot; where it stands is of no account.
         targets: what its hands have to do.
         T_agent_base: B poses of its frame (x forward, y left, z up) in the agent frame.
+        random_starts: postures around home from which inverse kinematics is started, beside home and the seeds of the
+            robot's description.
     """
     at_origin = robot.placed(RigidTransform.identity())
-    measured = [_hand_reach(at_origin, target, T_agent_base.inv()) for target in targets]
+    measured = [_hand_reach(at_origin, target, T_agent_base.inv(), random_starts) for target in targets]
     return Reach(np.stack([miss for miss, _ in measured], axis=1), np.stack([share for _, share in measured], axis=1))
 
 
-def _hand_reach(robot: Robot, target: HandTargets, T_base_agent: RigidTransform) -> tuple[Array, Array]:
+def _hand_reach(
+    robot: Robot, target: HandTargets, T_base_agent: RigidTransform, random_starts: int
+) -> tuple[Array, Array]:
     """Miss (B,) and share of the grasps that reach (B,)."""
     turn = T_base_agent.rotation.as_matrix()
     bases, (grasps, moments) = len(turn), target.position.shape[:2]
@@ -133,7 +140,8 @@ def _hand_reach(robot: Robot, target: HandTargets, T_base_agent: RigidTransform)
     arm = robot.arms[hand]
     home = robot.clip(robot.home)
     q, miss = np.tile(home, (len(position), 1)), np.full(len(position), np.inf)
-    for seed in (home[arm.joint_indices], *arm.ik_seeds):
+    near = home + 0.5 * np.random.default_rng(0).standard_normal((random_starts, len(home)))
+    for seed in (home[arm.joint_indices], *arm.ik_seeds, *robot.clip(near)[:, arm.joint_indices]):
         left = np.flatnonzero((miss > REACHED) & ((miss < WORTH_ANOTHER_START) | ~np.isfinite(miss)))
         start = home.copy()
         start[arm.joint_indices] = seed
