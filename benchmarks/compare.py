@@ -9,13 +9,15 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
-from measuring import floor, grasped, least_seconds, peak_megabytes, problem_of
+import numpy as np
+from measuring import grasped, peak_megabytes, problem_of
 
 import sbam
 from sbam.evaluation import random_pouring_scene, random_rolling_scene
@@ -26,6 +28,7 @@ BASELINE = Path(__file__).with_name("baseline.json")
 WORSE = 0.25  # share by which a time or a memory may grow before it is named
 AGAIN = 3  # measurements of what seems worse; the least counts
 OBJECTIVE_WORSE = 1e-3  # share by which an objective may grow before it is named
+FLOOR_STRETCH = 0.1  # s of floors between two runs of a task
 SEED = 0
 
 Results = dict[str, float]
@@ -38,12 +41,12 @@ def tasks() -> dict[str, tuple[Callable[[], object], int]]:
     robot = grasped(SEED).robot
     found: dict[str, tuple[Callable[[], object], int]] = {}
     for constraint in ("cartesian", "cylindrical", "symbolic"):
-        found[f"learn, {constraint}"] = (lambda c=constraint: sbam.learn(pouring, c)), 2
+        found[f"learn, {constraint}"] = (lambda c=constraint: sbam.learn(pouring, c)), 3
         for mode in ("paper", "default"):
             problem, start = problem_of(constraint, mode, SEED)
             found[f"keypoints, {constraint}, objective of {mode}"] = (
                 (lambda p=problem, s=start: solve_whole_trajectory(p, [s])),
-                7,
+                9,
             )
     for task, demonstrations, scene in (
         ("pouring", pouring, random_pouring_scene(SEED)),
@@ -54,19 +57,34 @@ def tasks() -> dict[str, tuple[Callable[[], object], int]]:
     return found
 
 
-def ratio(task: Callable[[], object], repetitions: int, floor_task: Callable[[], float]) -> float:
-    """Least time of a task over the least floor around it: the machine may be busier at other times."""
-    before = floor_task()
-    seconds = least_seconds(task, repetitions)
-    return seconds / min(before, floor_task())
+def ratio(task: Callable[[], object], repetitions: int, floor_task: Callable[[], object]) -> float:
+    """Median ratio of a task's time to the floor's mean around it: the machine may be busier at other times."""
+    around, ratios = [_mean_seconds(floor_task)], []
+    for _ in range(repetitions):
+        begin = time.process_time()
+        task()
+        seconds = time.process_time() - begin
+        around.append(_mean_seconds(floor_task))
+        ratios.append(2.0 * seconds / (around[-2] + around[-1]))
+    return float(np.median(ratios))
+
+
+def _mean_seconds(task: Callable[[], object]) -> float:
+    """Mean processor time of a short task over a stretch that is long enough to meet what disturbs it."""
+    count, begin = 0, time.process_time()
+    while (taken := time.process_time() - begin) < FLOOR_STRETCH:
+        task()
+        count += 1
+    return taken / count
 
 
 def measure(baseline: Results) -> Results:
     """All times as ratios, memory in MB, objectives; what seems worse than the baseline is measured again."""
     problem, start = problem_of("cartesian", "paper", SEED)
+    q = np.tile(start, (problem.count, 1))
 
-    def floor_task() -> float:
-        return floor(problem, start)
+    def floor_task() -> object:
+        return problem.state(q).region_jacobian
 
     results: Results = {}
     for name, (task, repetitions) in tasks().items():
