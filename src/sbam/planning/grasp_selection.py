@@ -24,6 +24,7 @@ RANDOM_NEAR_HOME = 3  # starts home + N(0, 0.5)
 RANDOM_STARTS = 4  # starts anywhere within the limits
 ENOUGH = 100  # grasps that work; random starts are not spent on the others then
 LIMIT_MARGIN = 0.05  # rad: postures nearer to a limit rank lower
+FOLLOW = 48  # grasps that are followed through the action at once, the most promising first
 EXAMINE = 48  # best grasps of each hand whose clearance is measured
 KEEP = 24  # best grasps of each hand that are combined
 COMBINATIONS = 60  # combinations whose clearance is measured at once, the best first
@@ -86,24 +87,19 @@ def follow_grasps(
     posture = _Posture(robot, hand, human_likeness)
     cost = _limit_cost(robot, q, joints) + 0.1 * np.abs(q - robot.home)[..., joints].max(-1) + posture.cost(q)
     rank = np.where(reached, cost, np.inf)
-    works: NDArray[np.bool_] = np.asarray(reached.any(axis=1))
+    first = q[np.arange(count), rank.argmin(axis=1)]
+    reachable = np.flatnonzero(reached.any(axis=1))
+    promise = rank.min(axis=1)[reachable] + 0.5 * np.array([grasps[g].human_distance for g in reachable])
     path = np.empty((count, checkpoints, q.shape[-1]))
-    path[:, hardest] = q[np.arange(count), rank.argmin(axis=1)]
-    failed_at = np.where(works, -1, hardest)
-    for order in (range(hardest + 1, checkpoints), range(hardest - 1, -1, -1)):
-        for m in order:
-            alive = np.flatnonzero(works)
-            if len(alive) == 0:
-                break
-            before = path[alive, m - order.step]
-            step = solve_poses(
-                robot, [hand], position[alive, m, None], rotation[alive, m, None], before, pull=(3e-2, 1e-3)
-            )
-            path[alive, m] = step.configurations
-            jump = np.abs(step.configurations - before)[:, joints].max(axis=1)
-            good = step.reached() & (jump < 1.5)
-            failed_at[alive[~good]] = m
-            works[alive[~good]] = False
+    failed_at = np.full(count, hardest)
+    works = np.zeros(count, dtype=bool)
+    for batch in np.array_split(reachable[np.argsort(promise)], range(FOLLOW, len(reachable), FOLLOW)):
+        path[batch], failed_at[batch] = _outwards(
+            robot, hand, joints, position[batch], rotation[batch], first[batch], hardest
+        )
+        works[batch] = failed_at[batch] < 0
+        if works.sum() >= KEEP:
+            break
     if not works.any():
         hard = int(np.bincount(failed_at, minlength=checkpoints).argmax())
         where = "where it is tilted most" if hard == hardest else f"{hard / (checkpoints - 1):.0%} on its way"
@@ -121,6 +117,39 @@ def follow_grasps(
         ),
         key=lambda followed: followed.score,
     )
+
+
+def _outwards(
+    robot: Robot,
+    hand: Hand,
+    joints: NDArray[np.int_],
+    position: Array,
+    rotation: Array,
+    first: Array,
+    hardest: int,
+) -> tuple[Array, NDArray[np.int_]]:
+    """Follow G paths of M poses of one hand from one checkpoint to both ends.
+
+    Returns:
+        Configurations (G, M, n) and the checkpoint at which each path breaks (G,), -1 where it does not.
+    """
+    count, checkpoints = position.shape[:2]
+    path = np.empty((count, checkpoints, first.shape[-1]))
+    path[:, hardest] = first
+    failed_at = np.full(count, -1)
+    for order in (range(hardest + 1, checkpoints), range(hardest - 1, -1, -1)):
+        for m in order:
+            alive = np.flatnonzero(failed_at < 0)
+            if len(alive) == 0:
+                break
+            before = path[alive, m - order.step]
+            step = solve_poses(
+                robot, [hand], position[alive, m, None], rotation[alive, m, None], before, pull=(3e-2, 1e-3)
+            )
+            path[alive, m] = step.configurations
+            jump = np.abs(step.configurations - before)[:, joints].max(axis=1)
+            failed_at[alive[~(step.reached() & (jump < 1.5))]] = m
+    return path, failed_at
 
 
 class _Posture:
