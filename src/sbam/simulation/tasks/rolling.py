@@ -111,7 +111,7 @@ class Rolling(Task):
         thickness = values["thickness, mean [mm]"]
         limit = yardstick["thickness, mean [mm]"] + THICKER if yardstick else 1e3 * THINNED_ALONE * THICKNESS
         if thickness > limit:
-            problems.append(f"the dough stays {thickness:.1f} mm thick, at most {limit:.1f} mm needed")
+            problems.append(f"the dough stays {thickness:.2f} mm thick, at most {limit:.2f} mm needed")
         if yardstick and values["half-strokes"] < STROKES * yardstick["half-strokes"]:
             problems.append(f"{values['half-strokes']:.0f} half-strokes instead of {yardstick['half-strokes']:.0f}")
         return problems
