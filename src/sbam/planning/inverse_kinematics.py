@@ -130,7 +130,8 @@ class _Targets:
         self._robot = robot
         self._frames = [robot.arms[cast(ArmName, arm)].tcp_frame for arm in arms]
         masks = np.array([robot.frame_joints(frame) for frame in self._frames])
-        self.joints = np.flatnonzero(masks.any(axis=0))
+        shared = np.isin(np.arange(masks.shape[1]), robot.torso_indices)  # they stay where the start has them
+        self.joints = np.flatnonzero(masks.any(axis=0) & ~shared)
         self._mask = masks[:, self.joints]
         self._position, self._rotation = position, rotation
 

@@ -16,11 +16,11 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.demonstration import Hand
-from sbam.planning.approach import Way, way_to_grasp
+from sbam.planning.approach import LINE_TIME, Way, way_to_grasp
 from sbam.planning.demonstrated_shape import DemonstratedShape
 from sbam.planning.follow import follow
 from sbam.planning.grasps import Grasp
-from sbam.planning.object_path import SMOOTHING, ObjectPath, object_path
+from sbam.planning.object_path import EASING, SMOOTHING, ObjectPath, ease, object_path
 from sbam.planning.task import MovedObject, Task
 from sbam.robots import Robot
 from sbam.robots.collision import CollisionModel
@@ -89,6 +89,7 @@ def make_motion(
         UnreachableError: names hand, object, time and joint where the dense motion cannot be followed.
     """
     shapes = shapes or {}
+    configurations = _with_steady_torso(task, robot, keypoint_times, configurations)
     home = robot.clip(robot.home)
     before = task.T_agent_object
     after = {**before, **{moved.name: moved.put_down for moved in task.moved}}
@@ -120,11 +121,46 @@ def make_motion(
             phases += _place_on_clock(
                 clock, path, joints, moved, hand, held[moved.role, hand], *reaches[moved.role, hand]
             )
+    torso = _references(keypoint_times, configurations[:, robot.torso_indices], clock)
+    _move_torso(robot, clock, path, phases, home, torso)
     objects = tuple(
         object_path(task, moved, keypoint_times, object_poses[moved.role], clock, shapes.get(moved.role))
         for moved in task.moved
     )
     return Motion(clock, path, objects, tuple(sorted(phases, key=lambda phase: (phase.hand, phase.start))))
+
+
+def _with_steady_torso(task: Task, robot: Robot, keypoint_times: Array, configurations: Array) -> Array:
+    """The keypoints with a torso that moves only while all objects are held: what one hand does to it both feel."""
+    if len(robot.torso_indices) == 0 or not task.moved:
+        return configurations
+    lift, place = max(moved.lift for moved in task.moved), min(moved.place for moved in task.moved)
+    inside = keypoint_times[(keypoint_times > lift + EASING) & (keypoint_times < place - EASING)]
+    steady = np.clip(keypoint_times, inside[0], inside[-1]) if len(inside) else np.full(len(keypoint_times), lift)
+    result = configurations.copy()
+    for joint in robot.torso_indices:
+        result[:, joint] = np.interp(steady, keypoint_times, configurations[:, joint])
+    return result
+
+
+def _references(keypoint_times: Array, values: Array, time: Array) -> Array:
+    """Keypoint values (K, m) between keypoints, at even times (N,) and without corners, (N, m)."""
+    between = np.empty((len(time), values.shape[1]))
+    for index, column in enumerate(values.T):
+        between[:, index] = np.interp(time, keypoint_times, column)
+    return gaussian_filter1d(between, SMOOTHING / STEP, axis=0, mode="nearest")
+
+
+def _move_torso(robot: Robot, clock: Array, path: Array, phases: Sequence[Phase], home: Array, torso: Array) -> None:
+    """Bring the torso from home to where it is needed before any hand comes near, and back after all have left."""
+    if len(robot.torso_indices) == 0 or not phases:
+        return
+    first, last = min(phase.start for phase in phases), max(phase.end for phase in phases)
+    near = min(phase.end for phase in phases if phase.name == "approach") - LINE_TIME
+    away = max(phase.start for phase in phases if phase.name == "retreat") + LINE_TIME
+    there = ease((clock - first) / (near - first)) * ease((last - clock) / (last - away))
+    resting = home[robot.torso_indices]
+    path[:, robot.torso_indices] = resting + there[:, None] * (torso - resting)
 
 
 def _hold_clock(moved: MovedObject) -> Array:
@@ -161,8 +197,9 @@ def _hold(
     clock = _hold_clock(moved)
     tcp = pose * grasp.T_object_tcp
     clipped = np.clip(_longer(clock), moved.lift, moved.place)
-    reference = np.stack([np.interp(clipped, keypoint_times, column) for column in configurations.T], axis=-1)
-    reference = gaussian_filter1d(reference, SMOOTHING / STEP, axis=0, mode="nearest")[MARGIN:-MARGIN]
+    reference = _references(keypoint_times, configurations, clipped)[MARGIN:-MARGIN]
+    torso = _references(keypoint_times, configurations[:, robot.torso_indices], _longer(clock))
+    reference[:, robot.torso_indices] = torso[MARGIN:-MARGIN]
     solved = follow(robot, grasp.hand, tcp, reference, f"holding {moved.name!r}", clock)
     return solved
 
