@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
-from scipy.spatial.transform import RigidTransform
+from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import UnreachableError
 from sbam.planning.follow import follow
@@ -55,7 +55,6 @@ def way_to_grasp(
     robot: Robot,
     collision: CollisionModel,
     T_agent_object: Mapping[str, RigidTransform],
-    pose: RigidTransform,
     grasp: Grasp,
     at_grasp: Array,
     step: float,
@@ -68,7 +67,6 @@ def way_to_grasp(
         robot: robot standing in the agent frame.
         collision: shapes of the robot and the scene's objects.
         T_agent_object: object name -> pose while the arm is on its way.
-        pose: pose of the object that is grasped.
         grasp: the grasp.
         at_grasp: (n,) configuration that holds it.
         step: time between configurations, s.
@@ -76,7 +74,7 @@ def way_to_grasp(
     Raises:
         UnreachableError: if the straight line to the grasp cannot be followed.
     """
-    line, standoff, direction = _straight_line(robot, pose, grasp, at_grasp, step)
+    line, standoff, direction = _straight_line(robot, grasp, at_grasp, step)
     joints = robot.frame_joints(robot.arms[grasp.hand].tcp_frame)
     home = np.where(joints, robot.clip(robot.home), line[0])
 
@@ -105,11 +103,10 @@ def way_to_grasp(
     return Way(best(ease(np.linspace(0.0, 1.0, steps + 1))), line)
 
 
-def _straight_line(
-    robot: Robot, pose: RigidTransform, grasp: Grasp, at_grasp: Array, step: float
-) -> tuple[Array, RigidTransform, Array]:
+def _straight_line(robot: Robot, grasp: Grasp, at_grasp: Array, step: float) -> tuple[Array, RigidTransform, Array]:
     """Configurations from the standoff to the grasp, the TCP's pose at the standoff and the direction of approach."""
-    T_agent_tcp = pose * grasp.T_object_tcp
+    frame = robot.kinematics(at_grasp[None], [robot.arms[grasp.hand].tcp_frame])
+    T_agent_tcp = RigidTransform.from_components(frame.position[0, 0], Rotation.from_matrix(frame.rotation[0, 0]))
     direction = T_agent_tcp.rotation.apply(np.array(robot.arms[grasp.hand].hand.approach))
     count = round(LINE_TIME / step) + 1
     trouble = None

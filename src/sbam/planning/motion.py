@@ -105,8 +105,8 @@ def make_motion(
             else:
                 pose = _held_pose(task, moved, keypoint_times, object_poses[moved.role], shapes.get(moved.role))
                 hold = _hold(robot, moved, grasp, keypoint_times, configurations, pose)
-            approach = way_to_grasp(robot, collision, before, moved.start, grasp, hold[0], STEP)
-            retreat = way_to_grasp(robot, collision, after, moved.put_down, grasp, hold[-1], STEP)
+            approach = way_to_grasp(robot, collision, before, grasp, hold[0], STEP)
+            retreat = way_to_grasp(robot, collision, after, grasp, hold[-1], STEP)
             held[moved.role, hand], reaches[moved.role, hand] = hold, (approach, retreat)
             begins.append(moved.lift - CLOSING_TIME - STEP * (len(approach.joined) - 1))
             ends.append(moved.place + CLOSING_TIME + STEP * (len(retreat.joined) - 1))
