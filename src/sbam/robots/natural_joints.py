@@ -1,9 +1,9 @@
 """The joint form of human-likeness, for arms with the joints of ARMAR-6 and ARMAR-7.
 
 Reconstruction of the paper's SOA_q (section III-F) in joint space: the distance of the arm's first five joints from
-those that put a person's natural posture (`sbam.robots.human_likeness`) into the robot's joints. The clavicle rests, the
-first shoulder joint lifts the upper arm, the second spreads it, the third keeps a turn of 45 degrees, the elbow takes
-the forearm's elevation.
+those that put a person's natural posture (`sbam.robots.human_likeness`) into the robot's joints. The clavicle rests,
+the first shoulder joint lifts the upper arm, the second spreads it, the third keeps a turn of 45 degrees, the elbow
+takes the forearm's elevation.
 """
 
 from __future__ import annotations
