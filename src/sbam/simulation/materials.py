@@ -12,6 +12,7 @@ CONTACT_TIME = 0.004  # s: time constant of a contact's spring, at least two ste
 DENSITY = 1000.0  # kg/m^3, of spheres: water
 FRICTION = 0.1  # of shells; spheres have none
 OBJECT_FRICTION = 0.8
+ROLLING_FRICTION = 2e-3  # m, of supports
 
 _LEFT, _RIGHT, _OBJECT, _SUPPORT, _PARTICLE, _SHELL, _FOOT, _DOUGH = (1 << bit for bit in range(8))
 LEFT = (_LEFT, _RIGHT | _OBJECT | _SUPPORT)

@@ -9,7 +9,17 @@ import numpy as np
 from sbam.robots.composition import OBJECT_PREFIX, pose_arrays
 from sbam.robots.robot import Robot
 from sbam.scene import ObjectModel
-from sbam.simulation.materials import FOOT, LEFT, OBJECT, OBJECT_FRICTION, OPEN_SHELL, RIGHT, SHELL, SUPPORT
+from sbam.simulation.materials import (
+    FOOT,
+    LEFT,
+    OBJECT,
+    OBJECT_FRICTION,
+    OPEN_SHELL,
+    RIGHT,
+    ROLLING_FRICTION,
+    SHELL,
+    SUPPORT,
+)
 from sbam.simulation.vessel import add_shell
 
 if TYPE_CHECKING:
@@ -48,7 +58,8 @@ def add_object(spec: mujoco.MjSpec, name: str, model: ObjectModel) -> mujoco.Mjs
             rgba=primitive.rgba if profile is None else [*primitive.rgba[:3], 0.0 if is_open else 0.3],
             contype=0 if is_open else bits[0],
             conaffinity=0 if is_open else bits[1],
-            friction=[OBJECT_FRICTION, 0.01, 0.0001],
+            condim=3 if model.movable else 6,  # with rolling friction: a pin that lies on a table stays there
+            friction=[OBJECT_FRICTION, 0.01, 0.0001 if model.movable else ROLLING_FRICTION],
             group=3 if is_open else 0,
         )
         geom.mass = model.mass if index == 0 else 0.0
