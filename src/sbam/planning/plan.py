@@ -38,7 +38,7 @@ from sbam.scene import Scene
 Array = NDArray[np.float64]
 
 CHECKPOINTS = 12  # keypoints at which grasps are tried
-ATTEMPTS = 8  # combinations of grasps that are carried through to a trajectory before giving up
+ATTEMPTS = 20  # combinations of grasps that are carried through to a trajectory before giving up
 DEFAULT_ROBOT = "panda_dual"
 
 
