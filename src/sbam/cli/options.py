@@ -29,6 +29,14 @@ Scene = Annotated[
     str, arg(metavar="SCENE|RECORDING", help="A scene file, built-in:NAME, or a recording, of which the first frame.")
 ]
 ModelFile = Annotated[Path, arg(metavar="MODEL", help="A model file.")]
+Roles = Annotated[
+    tuple[str, ...],
+    arg(
+        metavar="ROLE=OBJECT...",
+        help="Which object plays which role, where it is not clear.",
+        help_behavior_hint="",
+    ),
+]
 Objects = Annotated[Path | None, arg(metavar="FOLDER", help="Folder with object files of your own.")]
 
 

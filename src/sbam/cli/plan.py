@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import Positional, arg
 
-from sbam.cli.options import Format, Mode, ModelFile, Objects, Scene, VerbOptions, library_of, number, pairs
+from sbam.cli.options import Format, Mode, ModelFile, Objects, Roles, Scene, VerbOptions, library_of, number, pairs
 from sbam.console.running import Report, usage_error
 
 if TYPE_CHECKING:
@@ -27,14 +27,7 @@ class Plan(VerbOptions):
         str | None, arg(metavar="ROBOT", help="Name or file of a robot; default: the scene's, else panda_dual.")
     ] = None
     solver: Annotated[Mode, arg(help="The fast one, or the paper's (minutes).")] = "default"
-    roles: Annotated[
-        tuple[str, ...],
-        arg(
-            metavar="ROLE=OBJECT...",
-            help="Which object plays which role, where it is not clear.",
-            help_behavior_hint="",
-        ),
-    ] = ()
+    roles: Roles = ()
     start: Annotated[
         tuple[str, ...],
         arg(

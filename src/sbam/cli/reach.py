@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import Positional, arg
 
-from sbam.cli.options import ModelFile, Objects, Scene, VerbOptions, library_of, pairs
+from sbam.cli.options import ModelFile, Objects, Roles, Scene, VerbOptions, library_of, pairs
 from sbam.console.running import Report
 
 if TYPE_CHECKING:
@@ -25,14 +25,7 @@ class Reach(VerbOptions):
     robot: Annotated[
         str | None, arg(metavar="ROBOT", help="Name or file of a robot; default: the scene's, else panda_dual.")
     ] = None
-    roles: Annotated[
-        tuple[str, ...],
-        arg(
-            metavar="ROLE=OBJECT...",
-            help="Which object plays which role, where it is not clear.",
-            help_behavior_hint="",
-        ),
-    ] = ()
+    roles: Roles = ()
     picture: Annotated[Path | None, arg(metavar="FILE", help="Also draw the map of places (.png, .pdf, .svg).")] = None
     objects: Objects = None
 
