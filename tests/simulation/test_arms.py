@@ -18,6 +18,16 @@ from sbam.simulation.tasks import TASKS, Task
 COMPARED = "built-in:synthetic_rolling_0"
 
 
+class Nothing(Task):
+    """A task that asks for nothing."""
+
+    def measure(self, action, record):
+        return {}
+
+    def judge(self, values, yardstick):
+        return []
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
     """A fast plan of rolling, as `sbam plan` writes it."""
@@ -97,7 +107,7 @@ def test_joints_that_are_not_planned_are_braked() -> None:
     still = np.tile(robot.home, (2, 1))
     trajectory = sbam.JointTrajectory(robot.joint_names, np.array([0.0, 0.3]), still, 0.0 * still, 0.0 * still)
     scene = sbam.load_scene("built-in:rolling")
-    world = World(Action("rest", scene, {}, trajectory.time, {}, Arms(robot, trajectory, ())), Task())
+    world = World(Action("rest", scene, {}, trajectory.time, {}, Arms(robot, trajectory, ())), Nothing())
     assert {world.model.actuator(i).name for i in range(world.model.nu)} == set(robot.joint_names)
     data, reference = mujoco.MjData(world.model), mujoco.MjData(robot.model)
     assert world.control is not None

@@ -69,5 +69,12 @@ def test_a_file_without_a_task_is_refused(tmp_path: Path) -> None:
     (tmp_path / "empty.py").write_text("TASK = 3\n")
     with pytest.raises(FileFormatError, match="TASK"):
         load_task(tmp_path / "empty.py")
+    (tmp_path / "half.py").write_text(
+        "from sbam.simulation.tasks import Task\n"
+        "class Half(Task):\n    def judge(self, values, yardstick):\n        return []\n"
+        "TASK = Half()\n"
+    )
+    with pytest.raises(FileFormatError, match=r"half.py.*abstract.*measure"):
+        load_task(tmp_path / "half.py")
     with pytest.raises(FileFormatError, match="not a Python file"):
         load_task(tmp_path / "absent.py")

@@ -50,7 +50,10 @@ def load_task(path: str | Path) -> Task:
     if not path.is_file() or spec is None or spec.loader is None:
         raise FileFormatError(path, "", "is not a Python file", "a file that defines TASK, see docs/simulation.md")
     module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    try:
+        spec.loader.exec_module(module)
+    except TypeError as error:  # also that of a task that leaves out `measure` or `judge`
+        raise FileFormatError(path, "", f"fails: {error}", "a task with `measure` and `judge`") from error
     task = getattr(module, "TASK", None)
     if not isinstance(task, Task):
         raise FileFormatError(path, "TASK", f"is {type(task).__name__}", "a sbam.simulation.tasks.Task")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,7 @@ Values = Mapping[str, Any]
 """Name with unit -> number, or lists of plain data for the report."""
 
 
-class Task:
+class Task(ABC):
     """Base of all tasks: a task of your own needs only `measure` and `judge`.
 
     Attributes:
@@ -31,22 +32,25 @@ class Task:
 
     def build(self, spec: mujoco.MjSpec, action: Action) -> None:
         """Add to the world what the objects alone do not hold: spheres, dough. Nothing by default."""
+        return
 
     def start(self, model: mujoco.MjModel, data: mujoco.MjData, action: Action) -> None:
         """Put what was added where it is at the start. Nothing by default."""
+        return
 
     def observe(self, model: mujoco.MjModel, data: mujoco.MjData, action: Action) -> dict[str, NDArray[np.float64]]:
         """What to record in every frame beside poses and spheres. Nothing by default."""
         return {}
 
+    @abstractmethod
     def measure(self, action: Action, record: Record) -> Values:
         """Numbers of the report, from what happened."""
-        raise NotImplementedError
 
     def moment(self, values: Values) -> float | None:
         """When a failure shows best, s; None, the default, for the middle of the action."""
         return None
 
+    @abstractmethod
     def judge(self, values: Values, yardstick: Values | None) -> list[str]:
         """A sentence for each thing that is not as it must be; none means success.
 
@@ -54,7 +58,6 @@ class Task:
             values: what `measure` returned.
             yardstick: means of the numbers over the demonstrations' replays, or None where there are none.
         """
-        raise NotImplementedError
 
     def fits(self, action: Action) -> bool:
         """Whether the scene holds objects for this task."""
