@@ -5,15 +5,16 @@ import resource
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 JUICE = "built-in:synthetic_pouring_juice_right_0"
 
 
-def sbam_process(*arguments: str, cwd: Path, **options: object) -> subprocess.CompletedProcess[str]:
+def sbam_process(*arguments: str, cwd: Path, **options: Any) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "sbam.cli", *arguments]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, **options)  # type: ignore[call-overload]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, **options)
 
 
 def small_files() -> None:

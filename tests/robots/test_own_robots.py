@@ -273,7 +273,8 @@ def test_closed_chains_are_refused(write_torso_robot, equality, message):
 
 def test_couplings_of_fingers_are_no_matter(write_torso_robot):
     coupling = '<equality><joint joint1="left_finger" joint2="right_finger"/></equality>'
-    load_robot(write_torso_robot({"<actuator>": coupling + "<actuator>"}, in_model=True))
+    coupled = load_robot(write_torso_robot({"<actuator>": coupling + "<actuator>"}, in_model=True))
+    assert coupled.joint_names == load_robot(write_torso_robot({}, in_model=True)).joint_names
 
 
 def test_missing_frames_and_second_arms(urdf):

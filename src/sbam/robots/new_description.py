@@ -125,8 +125,8 @@ def _joint(known: UrdfJoint | None, rest: float) -> tuple[dict[str, float], list
     """Limits of a joint, and what of them is assumed."""
     values: dict[str, float] = {"home": rest}
     missing = []
-    limits = (known.lower, known.upper) if known and known.kind != "continuous" else (-1.0, 1.0)
-    if None in limits or not np.isfinite(limits).all() or limits[0] >= limits[1]:  # type: ignore[operator]
+    lower, upper = (known.lower, known.upper) if known and known.kind != "continuous" else (-1.0, 1.0)
+    if lower is None or upper is None or not np.isfinite([lower, upper]).all() or lower >= upper:
         values |= {"lower": -3.14159, "upper": 3.14159}
         missing.append("position limits")
     velocity, effort = (known.velocity, known.effort) if known else (None, None)
