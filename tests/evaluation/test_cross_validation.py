@@ -13,7 +13,7 @@ import pytest
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.synthetic import built_in_demonstrations
 from sbam.errors import ClusterError, DemonstrationError, UnknownNameError
-from sbam.evaluation.cross_validation import evaluate_folds, leave_one_out, train_and_test
+from sbam.evaluation.cross_validation import evaluate_folds, learning_only_from, leave_one_out, train_and_test
 from sbam.evaluation.fold import Condition, FoldResult
 from sbam.planning.settings import PlanSettings
 
@@ -54,6 +54,22 @@ def test_what_cannot_be_evaluated_is_refused(rolling):
         train_and_test([], rolling[:1])
     with pytest.raises(UnknownNameError, match="panda_dual"):
         evaluate_folds([Condition("x", robot="nobody")], leave_one_out(rolling[:2]))
+
+
+def test_learning_only_from_demonstrations_that_show_some_objects():
+    pouring = built_in_demonstrations("pouring")
+    folds = leave_one_out(pouring)
+    juice = learning_only_from(folds, ["apple_juice"])
+    assert [fold.test for fold in juice] == [fold.test for fold in folds]
+    for before, after in zip(folds, juice, strict=True):
+        assert after.training == tuple(one for one in before.training if "juice" in one.name)
+        assert len(after.training) == 8
+    milk = learning_only_from(folds, ["cup_small", "milk_small"])
+    assert all(len(fold.training) == 3 for fold in milk)
+    with pytest.raises(UnknownNameError, match="'juice' in the demonstrations to learn from; known: 'apple_juice'"):
+        learning_only_from(folds, ["juice"])
+    with pytest.raises(DemonstrationError, match="shows apple_juice and milk_small"):
+        learning_only_from(folds, ["apple_juice", "milk_small"])
 
 
 def test_finished_folds_are_not_done_again(rolling, tmp_path):

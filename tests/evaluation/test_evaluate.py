@@ -51,6 +51,24 @@ def test_on_a_robot_from_other_recordings(rolling, tmp_path: Path):
     assert fold["problems"] == []
 
 
+def test_learning_from_a_folder_only_what_shows_an_object(tmp_path: Path):
+    names = ["juice_right_0", "juice_right_1", "milk_right_9"]
+    folder = tmp_path / "pours"
+    assert (
+        main(["recordings", "write", *(f"built-in:synthetic_pouring_{one}" for one in names), "-o", str(folder)]) == 0
+    )
+    report_file = tmp_path / "report.json"
+    options = ["--robot", "flying_hands", "--constraints", "cartesian", "--fresh", "--jobs", "1"]
+    command = ["evaluate", "built-in:synthetic_pouring_juice_right_2", "--train", str(folder), *options]
+    assert main([*command, "--train-objects", "milk_small", "--json", str(report_file)]) == 0
+    (fold,) = json.loads(report_file.read_text())["folds"]
+    assert fold["training"] == ["synthetic_pouring_milk_right_9"]
+    assert main([*command, "--train-objects", "milk", "--json", str(report_file)]) == 1
+    (problem,) = json.loads(report_file.read_text())["problems"]
+    assert "unknown object 'milk'" in problem
+    assert "'milk_small'" in problem
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "said"),
     [

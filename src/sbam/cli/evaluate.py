@@ -38,6 +38,14 @@ class Evaluate(VerbOptions):
             help_behavior_hint="",
         ),
     ] = ()
+    train_objects: Annotated[
+        tuple[str, ...],
+        arg(
+            metavar="OBJECT...",
+            help="Learn only from demonstrations that show all of these, such as apple_juice.",
+            help_behavior_hint="",
+        ),
+    ] = ()
     robot: Annotated[
         str, arg(metavar="ROBOT", help="Name or file of a robot; flying_hands for none: quick, without its limits.")
     ] = "panda_dual"
@@ -81,6 +89,7 @@ class Evaluate(VerbOptions):
                 self.recordings,
                 self.output,
                 train=self.train,
+                train_objects=self.train_objects,
                 robot=self.robot,
                 constraints=self.constraints,
                 modes=self.mode,

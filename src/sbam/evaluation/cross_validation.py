@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
 
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.events import objects_that_move
-from sbam.errors import DemonstrationError
+from sbam.errors import DemonstrationError, UnknownNameError
 from sbam.evaluation.fingerprint import code_fingerprint, fingerprint, robot_fingerprint
 from sbam.evaluation.fold import FLYING_HANDS, Condition, Fold, FoldResult, run_fold
 from sbam.evaluation.parallel import executor
@@ -56,6 +57,32 @@ def train_and_test(training: Sequence[Demonstration], tests: Sequence[Demonstrat
                 test.name, "is to be tested on, but was learned from", "leave it out of one of them"
             )
     return tuple(Fold(tuple(training), test) for test in tests)
+
+
+def learning_only_from(folds: Sequence[Fold], objects: Sequence[str]) -> tuple[Fold, ...]:
+    """The folds, of which only those demonstrations are learned from that show all of some objects.
+
+    Raises:
+        UnknownNameError: if an object is in none of the demonstrations that are learned from.
+        DemonstrationError: if nothing is left to learn from.
+    """
+    known = {name for fold in folds for demonstration in fold.training for name in demonstration.objects}
+    for name in objects:
+        if name not in known:
+            raise UnknownNameError("object", name, sorted(known), "the demonstrations to learn from")
+    kept = [
+        replace(fold, training=tuple(one for one in fold.training if set(objects) <= set(one.objects)))
+        for fold in folds
+    ]
+    for fold in kept:
+        if not fold.training:
+            shown = " and ".join(objects)
+            raise DemonstrationError(
+                fold.test.name,
+                f"is to be tested on, but no demonstration to learn from shows {shown}",
+                "name fewer objects, or give demonstrations that show them together",
+            )
+    return tuple(kept)
 
 
 def evaluate_folds(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -15,7 +14,7 @@ from sbam.constraints import constraint_type
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.loading import BUILT_IN, load
 from sbam.demonstrations.synthetic import BuiltInTask, built_in_demonstrations
-from sbam.evaluation.cross_validation import evaluate_folds, leave_one_out, train_and_test
+from sbam.evaluation.cross_validation import evaluate_folds, learning_only_from, leave_one_out, train_and_test
 from sbam.evaluation.fold import FLYING_HANDS, Condition, FoldResult
 from sbam.evaluation.tables import Table, evaluation_tables
 from sbam.files import write_atomically
@@ -30,6 +29,7 @@ TASKS: tuple[BuiltInTask, ...] = get_args(BuiltInTask)
 def evaluate(
     recordings: Sequence[str | Path],
     train: Sequence[str | Path] = (),
+    train_objects: Sequence[str] = (),
     robot: str = FLYING_HANDS,
     constraints: Sequence[str] = ("cartesian", "cylindrical", "symbolic"),
     modes: Sequence[str] = ("default",),
@@ -48,6 +48,7 @@ def evaluate(
         recordings: what to compare with: a task (``pouring``, ``rolling``: the built-in demonstrations), or anything
             that `sbam.load` takes. Without ``train`` they are cross-validated (`leave_one_out`).
         train: what to learn from instead.
+        train_objects: learn only from demonstrations that show all of these objects; none means from all.
         robot: name or description file of a robot, or ``flying_hands``: none.
         constraints: constraint types.
         modes: how to learn: ``default``, ``paper``.
@@ -64,13 +65,15 @@ def evaluate(
         SbamError: if recordings, robot, constraint type, mode or cluster cannot be used.
     """
     conditions = [
-        Condition(f"{mode}/{solver}", constraint, LearningSettings.for_mode(mode), _planning(solver), robot, prune)
+        Condition(f"{mode}/{solver}", constraint, LearningSettings.for_mode(mode), _planning(solver, prune), robot)
         for mode in modes
         for solver in solvers
         for constraint in map(_known_constraint, constraints)
     ]
     tests = recordings_for(recordings, seed)
     folds = train_and_test(recordings_for(train, seed), tests) if train else leave_one_out(tests)
+    if train_objects:
+        folds = learning_only_from(folds, train_objects)
     return evaluate_folds(conditions, folds, library, jobs, cache, cluster, progress)
 
 
@@ -155,5 +158,5 @@ def _known_constraint(name: str) -> str:
     return constraint_type(name).name
 
 
-def _planning(solver: str) -> PlanSettings:
-    return replace(PlanSettings(), solver="paper" if solver == "paper" else "default")
+def _planning(solver: str, prune: float | None) -> PlanSettings:
+    return PlanSettings(solver="paper" if solver == "paper" else "default", prune=prune)

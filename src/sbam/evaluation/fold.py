@@ -13,8 +13,6 @@ from sbam.evaluation.executed_motion import executed_plan, flight
 from sbam.evaluation.metrics import PairDistances, measures, pair_distances
 from sbam.evaluation.person import model_anchors, person_motion
 from sbam.learning.learn import learn
-from sbam.learning.model import ActionModel
-from sbam.learning.relevance import pruned
 from sbam.learning.settings import LearningSettings
 from sbam.planning.plan import plan
 from sbam.planning.settings import PlanSettings
@@ -36,7 +34,6 @@ class Condition:
         learning: how to learn.
         planning: how to plan.
         robot: name or description file of the robot, or `FLYING_HANDS`.
-        prune: least relative precision of the pairs that are kept (`sbam.learning.relevance.pruned`); None keeps all.
     """
 
     name: str
@@ -44,7 +41,6 @@ class Condition:
     learning: LearningSettings = field(default_factory=LearningSettings)
     planning: PlanSettings = field(default_factory=PlanSettings)
     robot: str = FLYING_HANDS
-    prune: float | None = None
 
 
 @dataclass(frozen=True)
@@ -117,11 +113,11 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
     objects: tuple[str, ...] = ()
     begin = time.perf_counter()
     try:
-        model = _learned(condition, fold, library)
+        model = learn(fold.training, condition.constraint, library=library, settings=condition.learning)
         begin = _lap(seconds, "learn", begin)
         scene = scene_from_demonstration(fold.test, library)
         if robot is None:
-            motion = flight(bind(model, scene), condition.planning)
+            motion = flight(bind(model, scene, prune=condition.planning.prune), condition.planning)
         else:
             motion = executed_plan(plan(model, scene, robot, condition.planning))
         problems = motion.problems
@@ -154,11 +150,6 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
         problems=tuple(problems),
         seconds=seconds,
     )
-
-
-def _learned(condition: Condition, fold: Fold, library: ObjectLibrary) -> ActionModel:
-    model = learn(fold.training, condition.constraint, library=library, settings=condition.learning)
-    return model if condition.prune is None else pruned(model, condition.prune)
 
 
 def _lap(seconds: dict[str, float], stage: str, begin: float) -> float:
