@@ -71,14 +71,14 @@ def conditions(constraint: str, robot: str) -> list[Condition]:
     plans = [
         *((name, replace(DEFAULT, **change), PLAN) for name, change in LEARNING_OFF.items()),
         *((name, DEFAULT, replace(PLAN, **change)) for name, change in PLANNING_OFF.items()),
+        *((f"pruned at {share}", DEFAULT, replace(PLAN, prune=share)) for share in (0.6, 0.75)),
         ("paper", PAPER, PLAN),
         *((name, replace(PAPER, **change), PLAN) for name, change in PAPER_ON.items()),
+        *((f"paper + pruned at {share}", PAPER, replace(PLAN, prune=share)) for share in (0.6, 0.75)),
     ]
-    pruned = [Condition(f"pruned at {share}", constraint, DEFAULT, PLAN, robot, share) for share in (0.6, 0.75)]
     return [
         Condition("default", constraint, DEFAULT, PLAN, robot),
         *(Condition(name, constraint, learning, planning, robot) for name, learning, planning in plans),
-        *pruned,
     ]
 
 

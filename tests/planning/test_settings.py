@@ -16,6 +16,7 @@ from sbam.planning.settings import PlanSettings
         "smoothness": (-1.0, float("inf")),
         "proximity": (-0.1,),
         "clearance": (-0.01, float("nan")),
+        "prune": (-0.1, 1.5, float("nan")),
         "human_likeness": (-1.0, float("nan")),
     }.items(),
 )

@@ -48,6 +48,9 @@ class Plan(VerbOptions):
     ] = None
     clearance: Annotated[float, arg(help="Distance to keep from what is not touched on purpose, m.")] = 0.0
     margin: Annotated[float, arg(help="Distance beyond it that is sought where something is nearer, m.")] = 0.01
+    prune: Annotated[
+        float | None, arg(metavar="SHARE", help="Do without pairs below this share of the best precision, 0 to 1.")
+    ] = None
     speed: Annotated[float, arg(help="Share of the robot's velocity limits, above 0 to 1.")] = 0.5
     seed: Annotated[int, arg(help="Seed of the random starts.")] = 0
     formats: Annotated[tuple[Format, ...], arg(help="Formats of the trajectory.")] = ("npz", "csv")
@@ -78,6 +81,7 @@ class Plan(VerbOptions):
             between=self.between,
             clearance=self.clearance,
             margin=self.margin,
+            prune=self.prune,
             speed=self.speed,
             seed=self.seed,
         )

@@ -125,7 +125,7 @@ def plan(
     settings = settings or PlanSettings()
     clock = _Stopwatch(progress)
     clock.enter("bind")
-    task = bind(model, scene, roles)
+    task = bind(model, scene, roles, settings.prune)
     if not isinstance(robot, Robot):
         robot = load_robot(robot or scene.robot or DEFAULT_ROBOT)
     robot, notes = start_from(robot.placed_for(RigidTransform.identity()), start or {})

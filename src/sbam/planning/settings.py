@@ -39,6 +39,8 @@ class PlanSettings:
         clearance: distance that arms and carried objects must keep from what they must not touch, m; it is checked.
         avoid_collisions: whether the keypoints are optimised again where the motion between them comes nearer.
         margin: distance beyond ``clearance`` that is sought then, m.
+        prune: least precision, relative to the best, of the pairs between two objects that are used, 0 to 1
+            (`sbam.learning.relevance.pruned`); None uses all.
         seed: seed of the random starts.
 
     Raises:
@@ -59,6 +61,7 @@ class PlanSettings:
     clearance: float = 0.0
     avoid_collisions: bool = True
     margin: float = 0.01
+    prune: float | None = None
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -73,6 +76,8 @@ class PlanSettings:
             value = getattr(self, name)
             if value is not None and not (isfinite(value) and value >= 0.0):
                 raise SettingsError(name, value, "a finite number, 0 or more")
+        if self.prune is not None and not 0.0 <= self.prune <= 1.0:
+            raise SettingsError("prune", self.prune, "a share of the best precision, 0 to 1")
         if not 0.0 < self.speed <= 1.0:
             raise SettingsError("speed", self.speed, "a share of the robot's limits, above 0 and at most 1")
         if not SAMPLE_RATES[0] <= self.sample_rate <= SAMPLE_RATES[1]:

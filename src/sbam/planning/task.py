@@ -14,6 +14,7 @@ from sbam.demonstrations.demonstration import Hand
 from sbam.errors import BindingError
 from sbam.learning.learn import variant_for
 from sbam.learning.model import ActionModel
+from sbam.learning.relevance import pruned
 from sbam.learning.roles import bind_roles
 from sbam.scene import ObjectModel, Scene
 
@@ -83,13 +84,14 @@ class Task:
         return self.T_agent_object[self.binding[reference.role]].apply(self.region_center(reference))
 
 
-def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = None) -> Task:
+def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = None, prune: float | None = None) -> Task:
     """Bind a model's roles to a scene's objects and find out what shall be moved from where to where.
 
     Args:
         model: the action model.
         scene: the scene.
         roles: role -> object name, where the choice shall not be left to the affordances.
+        prune: least relative precision of the pairs that are used (`sbam.learning.relevance.pruned`); None uses all.
 
     Raises:
         BindingError: if a role finds no object, or more than one that fit equally well, or if one hand holds several.
@@ -101,7 +103,11 @@ def bind(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None = Non
     regions = [RegionReference(role.name, affordance) for role in model.roles for affordance in role.affordances]
     variant = variant_for(model, {region: task.region_at_start(region) for region in regions})
     notes = () if variant is model else variant.notes[-1:]
-    model, task = variant, replace(task, model=variant)
+    model = variant if prune is None else pruned(variant, prune)
+    if len(model.changes) < len(variant.changes):
+        dropped = {str(change.pair) for change in variant.changes} - {str(change.pair) for change in model.changes}
+        notes = (*notes, f"{len(dropped)} of {len(variant.changes)} pairs pruned: {', '.join(sorted(dropped))}")
+    task = replace(task, model=model)
     moved = []
     for role in model.roles:
         holds = sorted((hold for hold in model.holds if hold.role == role.name), key=lambda hold: hold.hand)
