@@ -3,6 +3,7 @@
 import pickle
 from concurrent.futures import ThreadPoolExecutor
 
+import mujoco
 import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
@@ -113,6 +114,23 @@ def test_threads_and_pickles_agree(robot):
             np.testing.assert_array_equal(position, expected)
     twin = pickle.loads(pickle.dumps(robot))
     np.testing.assert_array_equal(twin.kinematics(q, FRAMES).position, expected)
+
+
+@pytest.mark.parametrize("count", [1, 7, 8, 9, 30])
+@pytest.mark.parametrize("name", ["panda_dual", "armar6"])
+def test_many_configurations_are_as_mujoco_says_one_by_one(name, count):
+    robot = load_robot(name).placed(RigidTransform.from_components([0.3, -0.2, 0.1], Rotation.from_rotvec([0, 0, 0.7])))
+    q = np.random.default_rng(1).uniform(-1.0, 1.0, (count, len(robot.joint_names)))
+    bodies = [robot.model.body(i).name for i in range(1, robot.model.nbody)]
+    kinematics = robot.kinematics(q, bodies)
+    data = mujoco.MjData(robot.model)
+    for i in range(count):
+        data.qpos[:] = q[i]
+        mujoco.mj_kinematics(robot.model, data)
+        np.testing.assert_allclose(kinematics.position[i], data.xpos[1:], atol=1e-12)
+        np.testing.assert_allclose(kinematics.rotation[i].reshape(-1, 9), data.xmat[1:], atol=1e-12)
+        np.testing.assert_allclose(kinematics.joint_position[i], data.xanchor, atol=1e-12)
+        np.testing.assert_allclose(kinematics.joint_axis[i], data.xaxis, atol=1e-12)
 
 
 def test_no_configurations_and_no_frames(robot):
