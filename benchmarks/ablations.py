@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,10 +14,10 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 import numpy as np
 from rich.progress import track
 
+from sbam.evaluation.comparison import all_pairs, paired_difference
 from sbam.evaluation.cross_validation import evaluate_folds, leave_one_out
 from sbam.evaluation.evaluate import default_cache, recordings_for
 from sbam.evaluation.fold import FLYING_HANDS, Condition, FoldResult
-from sbam.evaluation.tables import bootstrap_interval, mean_distance, relevant_distance
 from sbam.learning.settings import LearningSettings
 from sbam.planning.settings import PlanSettings
 
@@ -44,7 +45,16 @@ PLANNING_OFF = {
     "places whatever the start": {"slide_supports": False},
     "no proximity": {"proximity": 0.0},
     "lengths as learned": {"rigid_length": False},
+    "pruned at 0.6": {"prune": 0.6},
+    "pruned at 0.75": {"prune": 0.75},
 }
+
+ARMS_OFF = {
+    "joints in lines between": {"between": "lines"},
+    "joints in splines between": {"between": "splines"},
+    "no avoidance": {"avoid_collisions": False},
+}
+"""What only arms have."""
 
 PAPER_ON = {
     "paper + time by start and end": {"time_alignment": "phase"},
@@ -57,87 +67,111 @@ PAPER_ON = {
     "paper + thinned": {"segmentation_rate": 12.5},
 }
 
-COLUMNS = {
-    "poured": "poured over the cup [share]",
-    "mouth-rim": "mouth - rim while pouring [mm]",
-    "tilt": "pour_from: tilt error, rms [deg]",
-    "strokes": "half-strokes",
-    "turns": "turning points off by [mm]",
-    "amplitude": "strokes' amplitude / person's",
+PAPER_PLANS = {"paper + pruned at 0.6": {"prune": 0.6}, "paper + pruned at 0.75": {"prune": 0.75}}
+
+Column = Callable[[FoldResult], float | None]
+
+
+def value(name: str) -> Column:
+    return lambda result: result.values.get(name)
+
+
+def seconds(stage: str) -> Column:
+    return lambda result: result.seconds.get(stage)
+
+
+NEARNESS: dict[str, Column] = {
+    "second": all_pairs("same second"),
+    "events": all_pairs("by events"),
+    "relevant": all_pairs("relevant"),
+    "dense": all_pairs("dense"),
 }
+OF_TASK: dict[str, dict[str, Column]] = {
+    "pouring": {
+        "poured": value("poured over the cup [share]"),
+        "mouth-rim": value("mouth - rim while pouring [mm]"),
+        "tilt": value("pour_from: tilt error, rms [deg]"),
+    },
+    "rolling": {
+        "strokes": value("half-strokes"),
+        "turns": value("turning points off by [mm]"),
+        "amplitude": value("strokes' amplitude / person's"),
+    },
+}
+OF_ARMS: dict[str, Column] = {
+    "passed": lambda result: float(not result.problems),
+    "travel": value("joints: travel [rad]"),
+    "fastest": value("joints: largest speed at the demonstrations' pace [rad/s]"),
+    "jerk": value("joints: log dimensionless jerk"),
+    "lasts": value("duration of the motion [s]"),
+}
+TIMES = {"learn": seconds("learn"), "plan": seconds("plan")}
 
 
 def conditions(constraint: str, robot: str) -> list[Condition]:
-    plans = [
+    arms = {} if robot == FLYING_HANDS else ARMS_OFF
+    settings = [
+        ("default", DEFAULT, PLAN),
         *((name, replace(DEFAULT, **change), PLAN) for name, change in LEARNING_OFF.items()),
-        *((name, DEFAULT, replace(PLAN, **change)) for name, change in PLANNING_OFF.items()),
-        *((f"pruned at {share}", DEFAULT, replace(PLAN, prune=share)) for share in (0.6, 0.75)),
+        *((name, DEFAULT, replace(PLAN, **change)) for name, change in (PLANNING_OFF | arms).items()),
         ("paper", PAPER, PLAN),
         *((name, replace(PAPER, **change), PLAN) for name, change in PAPER_ON.items()),
-        *((f"paper + pruned at {share}", PAPER, replace(PLAN, prune=share)) for share in (0.6, 0.75)),
+        *((name, PAPER, replace(PLAN, **change)) for name, change in PAPER_PLANS.items()),
     ]
-    return [
-        Condition("default", constraint, DEFAULT, PLAN, robot),
-        *(Condition(name, constraint, learning, planning, robot) for name, learning, planning in plans),
-    ]
+    return [Condition(name, constraint, learning, planning, robot) for name, learning, planning in settings]
 
 
-def dense_distance(result: FoldResult) -> float:
-    return float(np.mean([pair.dense for pair in result.pairs]))
+def row(
+    results: Sequence[FoldResult], base: Sequence[FoldResult], columns: Mapping[str, Column], compared: str
+) -> list[str]:
+    """Means of the columns, and the difference of one of them from the base, paired over folds."""
+    done = [result for result in results if result.executed]
+    texts = []
+    for column in columns.values():
+        found = [number for result in done if (number := column(result)) is not None]
+        texts.append(f"{np.mean(found):.2f}" if found else "-")
+    name, constraint = results[0].condition, results[0].constraint
+    change = paired_difference([*base, *results], constraint, name, columns[compared])
+    text = f"{change[2]:+.1f} ({change[3]:+.1f} to {change[4]:+.1f})" if change else "-"
+    return [name, *texts, text, f"{len(done)}/{len(results)}"]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tasks", nargs="+", default=["pouring", "rolling"])
+    parser.add_argument("--tasks", nargs="+", choices=list(OF_TASK), default=list(OF_TASK))
     parser.add_argument("--constraints", nargs="+", default=["cartesian"])
     parser.add_argument("--robot", default=FLYING_HANDS)
+    parser.add_argument("--conditions", nargs="+", metavar="NAME", help="only these; the first is compared with")
+    parser.add_argument("--tests", metavar="TEXT", default="", help="only folds whose demonstration's name holds it")
+    parser.add_argument("--compared", choices=list(NEARNESS), default="events", help="column of the difference")
     parser.add_argument("--seed", type=int, default=0, help="of the synthetic demonstrations")
     parser.add_argument("--jobs", type=int, default=-1)
     parser.add_argument("--cache", type=Path, default=default_cache(), help="folder of finished folds")
     arguments = parser.parse_args()
     for task in arguments.tasks:
-        folds = leave_one_out(recordings_for([task], arguments.seed))
-        columns = {
-            short: name
-            for short, name in COLUMNS.items()
-            if (task == "pouring") == (short in ("poured", "mouth-rim", "tilt"))
-        }
+        every = leave_one_out(recordings_for([task], arguments.seed))
+        folds = [fold for fold in every if arguments.tests in fold.test.name]
+        if not folds:
+            parser.error(f"no fold with {arguments.tests!r}; there are {', '.join(fold.test.name for fold in every)}")
+        arms = {} if arguments.robot == FLYING_HANDS else OF_ARMS
+        columns = {**NEARNESS, **OF_TASK[task], **arms, **TIMES}
         for constraint in arguments.constraints:
+            chosen = {condition.name: condition for condition in conditions(constraint, arguments.robot)}
+            unknown = [name for name in arguments.conditions or () if name not in chosen]
+            if unknown:
+                parser.error(f"unknown condition {unknown[0]!r}; there are {', '.join(chosen)}")
             print(
                 f"\n{task}, {constraint}, {len(folds)} folds of synthetic demonstrations (seed {arguments.seed}), "
-                f"{arguments.robot}; mm; difference of 'events' from default with 95 % interval\n"
+                f"{arguments.robot}; mm, degrees, rad, processor seconds; difference of {arguments.compared!r} from "
+                "the first with 95 % interval\n"
             )
-            head = ("condition", "second", "events", "relevant", "dense", *columns, "difference", "executed")
+            head = ("condition", *columns, "difference", "executed")
             print(f"| {' | '.join(head)} |\n|{' --- |' * len(head)}")
-            base: dict[str, FoldResult] = {}
-            for condition in track(conditions(constraint, arguments.robot), f"{task} {constraint}", transient=True):
-                results = evaluate_folds([condition], folds, jobs=arguments.jobs, cache=arguments.cache)
-                done = {result.test: result for result in results if result.executed}
-                base = base or done
-                print(
-                    f"| {' | '.join(row(condition.name, list(done.values()), base, columns, len(folds)))} |", flush=True
-                )
-
-
-def row(
-    name: str, done: list[FoldResult], base: dict[str, FoldResult], columns: dict[str, str], count: int
-) -> list[str]:
-    if not done:
-        return [name, *("-" for _ in range(5 + len(columns))), f"0/{count}"]
-    numbers = [
-        np.mean([mean_distance(result, "seconds") for result in done]),
-        np.mean([mean_distance(result) for result in done]),
-        np.mean([relevant_distance(result) for result in done]),
-        np.mean([dense_distance(result) for result in done]),
-    ]
-    texts = [f"{number:.1f}" for number in numbers]
-    for measure in columns.values():
-        found = [result.values[measure] for result in done if measure in result.values]
-        texts.append(f"{np.mean(found):.2f}" if found else "-")
-    both = [mean_distance(result) - mean_distance(base[result.test]) for result in done if result.test in base]
-    low, high = bootstrap_interval(np.array(both)) if both else (np.nan, np.nan)
-    change = f"{np.mean(both):+.1f} ({low:+.1f} to {high:+.1f})" if both else "-"
-    return [name, *texts, change, f"{len(done)}/{count}"]
+            base: list[FoldResult] = []
+            for name in track(arguments.conditions or list(chosen), f"{task} {constraint}", transient=True):
+                results = evaluate_folds([chosen[name]], folds, jobs=arguments.jobs, cache=arguments.cache)
+                base = base or results
+                print(f"| {' | '.join(row(results, base, columns, arguments.compared))} |", flush=True)
 
 
 if __name__ == "__main__":

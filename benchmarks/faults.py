@@ -34,7 +34,7 @@ def as_demonstrated(model: sbam.ActionModel, demonstration: sbam.Demonstration) 
     person = person_motion(demonstration, model, library)
     poses = person.poses_at(person.aligned(clock))
     task = bind(model, sbam.scene_from_demonstration(demonstration))
-    return ExecutedMotion(task, poses, clock, clock, poses, 0.0, None, (), 0.0)
+    return ExecutedMotion(task, poses, clock, clock, poses, 0.0, None, None, ())
 
 
 def as_the_paper(model: sbam.ActionModel, scene: sbam.Scene, robot: str) -> ExecutedMotion:
@@ -48,7 +48,7 @@ def as_the_paper(model: sbam.ActionModel, scene: sbam.Scene, robot: str) -> Exec
     joints = np.stack([np.interp(clock, times, column) for column in solution.configurations.T], axis=-1)
     at_keypoints = problem.state(solution.configurations).object_poses()
     poses = problem.state(joints).object_poses()
-    return ExecutedMotion(ours.task, at_keypoints, clock, clock, poses, solution.objective, None, (), solution.seconds)
+    return ExecutedMotion(ours.task, at_keypoints, clock, clock, poses, solution.objective, None, None, ())
 
 
 def row(found: list[list[float]]) -> str:

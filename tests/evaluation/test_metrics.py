@@ -37,8 +37,8 @@ def copied() -> tuple[ExecutedMotion, PersonMotion]:
         T_agent_object={role: dense[role] for role in roles},
         objective=0.0,
         human_deviation=None,
+        trajectory=None,
         problems=(),
-        seconds=0.0,
     )
     return motion, person
 

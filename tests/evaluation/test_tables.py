@@ -7,32 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sbam.evaluation.fold import FoldResult
-from sbam.evaluation.metrics import PairDistances
 from sbam.evaluation.paper_numbers import PAPER_TABLES, paper_row
-from sbam.evaluation.tables import bootstrap_interval, comparison_table, evaluation_tables, similarity_table
+from sbam.evaluation.tables import evaluation_tables, similarity_table
 
 MOUTH_RIM = "pour from of pour_from -> pour into of pour_into"
-
-
-def result(test: str, events: tuple[float, ...], condition: str = "a", **values: float) -> FoldResult:
-    seconds = tuple(2.0 * one for one in events)
-    pair = PairDistances(MOUTH_RIM, seconds, events, (0.0,) * len(events), 5.0)
-    return FoldResult(
-        condition=condition,
-        constraint="cartesian",
-        robot="flying_hands",
-        test=test,
-        synthetic=True,
-        training=("other",),
-        synthetic_training=True,
-        objects=("apple_juice", "cup_large"),
-        keypoints=len(events),
-        pairs=(pair,),
-        values=values,
-        problems=(),
-        seconds={"plan": 1.0},
-    )
 
 
 def test_the_paper_s_tables_are_complete():
@@ -55,7 +33,7 @@ def test_an_unknown_pair_has_no_row():
     assert paper_row("stir of spoon -> stir in of bowl") is None
 
 
-def test_statistics_are_over_all_keypoints_of_all_folds():
+def test_statistics_are_over_all_keypoints_of_all_folds(result):
     table = similarity_table([result("x", (1.0, 3.0)), result("y", (5.0, 7.0))])
     row = dict(zip(table.columns[2:], table.rows[0][2:], strict=False))
     assert row["paper avg"] == 165.770
@@ -65,36 +43,17 @@ def test_statistics_are_over_all_keypoints_of_all_folds():
     assert "KIT" in table.caption
 
 
-def test_other_objects_are_not_compared_with_the_paper():
+def test_other_objects_are_not_compared_with_the_paper(result):
     spoon = replace(result("x", (1.0,)), objects=("cup_large", "tablespoon"))
     assert all(row[2] is None for row in similarity_table([spoon]).rows)
 
 
-def test_differences_are_paired_over_folds():
-    first = [result("x", (1.0,)), result("y", (50.0,)), result("only here", (0.0,))]
-    second = [result("x", (3.0,), "b"), result("y", (54.0,), "b")]
-    table = comparison_table(first + second)
-    row = next(row for row in table.rows if row[0] == "all pairs, by events [mm]")
-    assert row[1:4] == ("cartesian", "b", 3.0)
-    assert (row[4], row[5]) == (2.0, 4.0)
-    assert row[6] == 2.0
-
-
-def test_bootstrap_is_seeded_and_covers():
-    generator = np.random.default_rng(1)
-    covered = 0
-    for _ in range(40):
-        low, high = bootstrap_interval(generator.normal(3.0, 1.0, 30), seed=5)
-        covered += low < 3.0 < high
-    assert covered >= 32
-    values = generator.normal(size=9)
-    assert bootstrap_interval(values, 7) == bootstrap_interval(values, 7)
-    assert bootstrap_interval(np.array([2.0])) == (2.0, 2.0)
-
-
-def test_formats_agree():
+def test_formats_agree(result):
     tables = evaluation_tables([result("x", (1.0,), height=2.5), result("x", (3.0,), "b", height=3.5)])
-    assert [table.name for table in tables] == ["similarity a", "similarity b", "measures", "comparison"]
+    assert [table.name for table in tables] == [
+        *("similarity a", "similarity b", "measures"),
+        *("pairs same second", "pairs by events", "pairs relevant", "pairs dense", "comparison", "verdict"),
+    ]
     measures = tables[2]
     assert next(row for row in measures.rows if row[0] == "height")[1:] == (2.5, 3.5)
     read = list(csv.reader(line for line in io.StringIO(measures.csv()) if not line.startswith("#")))

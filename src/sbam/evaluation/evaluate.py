@@ -16,7 +16,8 @@ from sbam.demonstrations.loading import BUILT_IN, load
 from sbam.demonstrations.synthetic import BuiltInTask, built_in_demonstrations
 from sbam.evaluation.cross_validation import evaluate_folds, learning_only_from, leave_one_out, train_and_test
 from sbam.evaluation.fold import FLYING_HANDS, Condition, FoldResult
-from sbam.evaluation.tables import Table, evaluation_tables
+from sbam.evaluation.table import Table
+from sbam.evaluation.tables import evaluation_tables
 from sbam.files import write_atomically
 from sbam.learning.settings import LearningSettings
 from sbam.planning.report import plain

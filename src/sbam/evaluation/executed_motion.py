@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time as wall
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -16,6 +15,7 @@ from sbam.planning.object_path import object_path, shapes_of
 from sbam.planning.plan import Plan
 from sbam.planning.settings import PlanSettings
 from sbam.planning.task import Task
+from sbam.planning.trajectory import JointTrajectory
 from sbam.robots import HumanLikeness
 
 Array = NDArray[np.float64]
@@ -36,8 +36,8 @@ class ExecutedMotion:
         objective: exact objective of the optimised keypoints.
         human_deviation: mean angle between the arms and a person's natural posture at the keypoints, degrees; None
             without arms.
+        trajectory: of the joints; None without arms.
         problems: what is wrong with it, a sentence each.
-        seconds: wall time of the planning.
     """
 
     task: Task
@@ -47,8 +47,8 @@ class ExecutedMotion:
     T_agent_object: Mapping[str, RigidTransform]
     objective: float
     human_deviation: float | None
+    trajectory: JointTrajectory | None
     problems: tuple[str, ...]
-    seconds: float
 
 
 ObjectMotion = Plan | ExecutedMotion
@@ -80,14 +80,13 @@ def executed_plan(plan: Plan) -> ExecutedMotion:
         T_agent_object=plan.T_agent_object,
         objective=plan.solution.objective,
         human_deviation=float(deviation.mean()),
+        trajectory=plan.trajectory,
         problems=plan.problems,
-        seconds=sum(plan.seconds.values()),
     )
 
 
 def flight(task: Task, settings: PlanSettings) -> ExecutedMotion:
     """The execution by hands without arms: what the action wants, whatever a robot can do."""
-    begin = wall.perf_counter()
     solution, poses = solve_free_flight(task, settings)
     times = task.model.keypoint_times
     clock = np.linspace(0.0, times[-1], round(times[-1] / FLIGHT_STEP) + 1)
@@ -96,8 +95,7 @@ def flight(task: Task, settings: PlanSettings) -> ExecutedMotion:
         moved.role: object_path(task, moved, times, poses[moved.role], clock, shapes.get(moved.role)).pose
         for moved in task.moved
     }
-    seconds = wall.perf_counter() - begin
-    return ExecutedMotion(task, poses, clock, clock, paths, solution.objective, None, (), seconds)
+    return ExecutedMotion(task, poses, clock, clock, paths, solution.objective, None, None, ())
 
 
 def region_points(

@@ -68,7 +68,7 @@ class FoldResult:
         pairs: distances of all pairs; empty if there was no execution.
         values: other measures, name with unit -> value.
         problems: what is wrong with the execution, or why there is none.
-        seconds: stage -> wall time: ``learn``, ``plan``, ``measure``.
+        seconds: stage -> processor time: ``learn``, ``plan``, ``measure``.
     """
 
     condition: str
@@ -111,7 +111,7 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
     values: dict[str, float] = {}
     keypoints = 0
     objects: tuple[str, ...] = ()
-    begin = time.perf_counter()
+    begin = time.process_time()
     try:
         model = learn(fold.training, condition.constraint, library=library, settings=condition.learning)
         begin = _lap(seconds, "learn", begin)
@@ -153,6 +153,6 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
 
 
 def _lap(seconds: dict[str, float], stage: str, begin: float) -> float:
-    now = time.perf_counter()
+    now = time.process_time()
     seconds[stage] = now - begin
     return now

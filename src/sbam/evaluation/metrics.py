@@ -11,9 +11,9 @@ from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionPair
 from sbam.demonstrations.events import object_axis
-from sbam.demonstrations.signals import even_times, smooth_positions, speed
 from sbam.evaluation.executed_motion import ExecutedMotion, region_points
 from sbam.evaluation.person import PersonMotion
+from sbam.evaluation.smoothness import joint_smoothness, path_smoothness
 from sbam.evaluation.task_geometry import measure_pouring, measure_put_down, measure_rolling, turning_points
 from sbam.learning.pairs import candidate_pairs
 from sbam.learning.settings import LearningSettings
@@ -118,13 +118,15 @@ def measures(motion: ExecutedMotion, person: PersonMotion) -> dict[str, float]:
         )
         path, own = motion.T_agent_object[moved.role].translation, person.T_agent_object[moved.role].translation
         values[f"{moved.role}: ends off by [mm]"] = float(1e3 * np.linalg.norm(path[-1] - own[-1]))
-        values |= _smoothness(f"{moved.role}: ", motion.clock, path)
-        values |= {f"{name} (person)": v for name, v in _smoothness(f"{moved.role}: ", person.time, own).items()}
+        values |= path_smoothness(f"{moved.role}: ", motion.clock, path)
+        values |= {f"{name} (person)": v for name, v in path_smoothness(f"{moved.role}: ", person.time, own).items()}
     values |= _pouring(motion, person) | _rolling(motion, person)
     if any(change.pair.is_own_start for change in task.model.changes):
         values |= measure_put_down(motion).values
     if motion.human_deviation is not None:
         values["arms off a natural posture [deg]"] = motion.human_deviation
+    if motion.trajectory is not None:
+        values |= joint_smoothness(motion.trajectory, motion.clock)
     values["duration of the motion [s]"] = float(motion.time[-1])
     values["objective"] = motion.objective
     return values
@@ -178,23 +180,6 @@ def _rolling(motion: ExecutedMotion, person: PersonMotion) -> dict[str, float]:
         theirs_aligned = person.on_model_axis(own_clock[rolling])
         height = np.interp(theirs_aligned, motion.clock, ours[:, 2]) - theirs[rolling, 2]
         values["pin's height off, mean [mm]"] = float(1e3 * np.abs(height).mean())
-    return values
-
-
-def _smoothness(prefix: str, time: Array, path: Array) -> dict[str, float]:
-    """Largest speed and log dimensionless jerk (Balasubramanian et al. 2012) of a path (N, 3), below 5 Hz."""
-    grid = even_times(time)
-    smooth = smooth_positions(path, time, grid)
-    velocity = speed(smooth, grid)
-    step = float(grid[1] - grid[0])
-    jerk = np.diff(smooth, n=3, axis=0) / step**3
-    moving = velocity > 0.01
-    peak = float(velocity.max())
-    values = {f"{prefix}largest speed [mm/s]": 1e3 * peak}
-    if moving.any():
-        duration = float(np.ptp(grid[moving]))
-        dimensionless = np.square(jerk).sum() * step * duration**3 / peak**2
-        values[f"{prefix}log dimensionless jerk"] = float(np.log(max(dimensionless, 1e-12)))
     return values
 
 

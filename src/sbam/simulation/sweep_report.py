@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from sbam.evaluation.evaluate import write_tables
-from sbam.evaluation.tables import Cell, Table
+from sbam.evaluation.table import Cell, Table
 from sbam.files import write_atomically
 from sbam.simulation.trial import Row
 

@@ -1,0 +1,57 @@
+"""How smoothly objects and arms move: log dimensionless jerk (Balasubramanian et al. 2012), speed and travel."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.demonstrations.signals import even_times, smooth_positions
+from sbam.planning.trajectory import JointTrajectory
+
+Array = NDArray[np.float64]
+
+OBJECT_MOVES = 0.01  # m/s: a slower object rests
+ARMS_MOVE = 0.01  # rad/s: the norm over all joints of arms that move
+SLOWEST_PACE = 0.01  # of the model's clock per second, below which it stands still
+
+
+def path_smoothness(prefix: str, time: Array, path: Array) -> dict[str, float]:
+    """Largest speed and log dimensionless jerk of an object's path (N, 3), below 5 Hz."""
+    grid = even_times(time)
+    step = float(grid[1] - grid[0])
+    smooth = smooth_positions(path, time, grid)
+    velocity = np.gradient(smooth, step, axis=0)
+    values = {f"{prefix}largest speed [mm/s]": 1e3 * float(np.linalg.norm(velocity, axis=1).max())}
+    jerk = np.diff(smooth, n=3, axis=0) / step**3
+    return values | _log_jerk(prefix, grid, velocity, jerk, OBJECT_MOVES)
+
+
+def joint_smoothness(trajectory: JointTrajectory, clock: Array) -> dict[str, float]:
+    """How far the arms move in joint space, how fast at the pace of the demonstrations, and how jerkily.
+
+    Args:
+        trajectory: of all joints; its limits have stretched time.
+        clock: (N,) time on the model's axis of its samples, s.
+    """
+    time, velocity = trajectory.time, trajectory.velocity
+    pace = np.gradient(clock, time)
+    moving = pace > SLOWEST_PACE
+    jerk = np.gradient(trajectory.acceleration, time, axis=0)
+    values = {
+        "joints: travel [rad]": float(np.linalg.norm(np.diff(trajectory.position, axis=0), axis=1).sum()),
+        "joints: largest speed at the demonstrations' pace [rad/s]": float(
+            (np.abs(velocity[moving]) / pace[moving, None]).max(initial=0.0)
+        ),
+    }
+    return values | _log_jerk("joints: ", time, velocity, jerk, ARMS_MOVE)
+
+
+def _log_jerk(prefix: str, time: Array, velocity: Array, jerk: Array, least: float) -> dict[str, float]:
+    """ln(integral of |jerk|^2 * duration^3 / peak speed^2) of what moves faster than ``least``; {} if nothing does."""
+    speed = np.linalg.norm(velocity, axis=1)
+    moving = speed > least
+    if not moving.any():
+        return {}
+    step = float(time[1] - time[0])
+    dimensionless = np.square(jerk).sum() * step * float(np.ptp(time[moving])) ** 3 / speed.max() ** 2
+    return {f"{prefix}log dimensionless jerk": float(np.log(max(dimensionless, 1e-12)))}
