@@ -236,19 +236,21 @@ def choose_grasps(
     robot: Robot,
     collision: CollisionModel,
     poses: Mapping[str, RigidTransform],
+    times: Array,
     seed: int = 0,
     human_likeness: float = 0.0,
 ) -> list[dict[tuple[str, Hand], FollowedGrasp]]:
     """Combinations of grasps for all hands, best first.
 
-    Each grasp works by itself at all checkpoints; the combinations are ranked by the clearance that arms, hands and
-    objects keep from each other there.
+    Each grasp works by itself at all checkpoints from its object's lift to its place; the combinations are ranked by
+    the clearance that arms, hands and objects keep from each other there. An arm that holds nothing is at home.
 
     Args:
         task: model bound to a scene.
         robot: robot standing in the agent frame.
         collision: shapes of the robot and the scene's objects.
         poses: role -> M poses at the checkpoints, agent frame.
+        times: (M,) of the checkpoints, model's time axis, s.
         seed: of the random starts.
         human_likeness: lambda_h, by which grasps are preferred that let the arm take a person's posture.
 
@@ -259,13 +261,16 @@ def choose_grasps(
         UnreachableError: if a hand finds no grasp.
     """
     keys: list[tuple[MovedObject, Hand]] = [(moved, hand) for moved in task.moved for hand in moved.hands]
+    held = {moved.role: _held(moved, times) for moved in task.moved}
     options = []
     for moved, hand in keys:
-        followed = follow_grasps(robot, collision, moved, hand, poses[moved.role], seed, human_likeness)[:EXAMINE]
-        joints = robot.frame_joints(robot.arms[hand].tcp_frame)
-        configurations = np.array([np.where(joints, item.configurations, robot.home) for item in followed])
+        during = held[moved.role]
+        on_way = poses[moved.role][during]
+        followed = follow_grasps(robot, collision, moved, hand, on_way, seed, human_likeness)[:EXAMINE]
+        followed = [replace(item, configurations=_spread(item.configurations, during)) for item in followed]
+        configurations = np.array([_merged(robot, [(moved, hand)], [item], held) for item in followed])
         clearance = _clearances(
-            task, collision, configurations, poses, ("self", "arm-support", "arm-object", "palm-object")
+            task, collision, configurations, poses, held, ("self", "arm-support", "arm-object", "palm-object")
         )
         scored = [replace(item, score=item.score + _penalty(c)) for item, c in zip(followed, clearance, strict=True)]
         options.append(sorted(scored, key=lambda item: item.score)[:KEEP])
@@ -273,7 +278,7 @@ def choose_grasps(
     if len(keys) == 1:
         combinations = combinations[:COMBINATIONS]
     else:
-        combinations = _by_arms_clearance(task, robot, collision, keys, combinations, poses)
+        combinations = _by_arms_clearance(task, robot, collision, keys, combinations, poses, held)
     return [
         {(moved.role, hand): item for (moved, hand), item in zip(keys, items, strict=True)} for items in combinations
     ]
@@ -286,25 +291,44 @@ def _by_arms_clearance(
     keys: Sequence[tuple[MovedObject, Hand]],
     combinations: Sequence[tuple[FollowedGrasp, ...]],
     poses: Mapping[str, RigidTransform],
+    held: Mapping[str, NDArray[np.bool_]],
 ) -> list[tuple[FollowedGrasp, ...]]:
     """The combinations ranked with the clearance between the arms; goes on until enough of them keep clear."""
     scores: list[float] = []
     clear = 0
     while clear < ENOUGH_CLEAR and len(scores) < min(len(combinations), MOST * COMBINATIONS):
         some = combinations[len(scores) : len(scores) + COMBINATIONS]
-        configurations = np.array([_merged(robot, keys, items) for items in some])
-        clearance = _clearances(task, collision, configurations, poses, ("arm-arm",))
+        configurations = np.array([_merged(robot, keys, items, held) for items in some])
+        clearance = _clearances(task, collision, configurations, poses, held, ("arm-arm",))
         scores += [sum(i.score for i in items) + _penalty(c) for items, c in zip(some, clearance, strict=True)]
         clear += int((clearance >= 0.0).sum())
     return [combinations[i] for i in np.argsort(scores)[:COMBINATIONS]]
 
 
-def _merged(robot: Robot, keys: Sequence[tuple[MovedObject, Hand]], items: Sequence[FollowedGrasp]) -> Array:
-    """(M, n) configurations of all hands together."""
+def _held(moved: MovedObject, times: Array) -> NDArray[np.bool_]:
+    """(M,) at which checkpoints an object is held: from the last one before its lift to the first after its place."""
+    first = max(int(np.searchsorted(times, moved.lift, side="right")) - 1, 0)
+    last = min(int(np.searchsorted(times, moved.place)), len(times) - 1)
+    index = np.arange(len(times))
+    return (index >= first) & (index <= last)
+
+
+def _spread(configurations: Array, during: NDArray[np.bool_]) -> Array:
+    """(M, n) at all checkpoints of what is known at some that follow each other: held on before and after them."""
+    return configurations[np.clip(np.cumsum(during) - 1, 0, len(configurations) - 1)]
+
+
+def _merged(
+    robot: Robot,
+    keys: Sequence[tuple[MovedObject, Hand]],
+    items: Sequence[FollowedGrasp],
+    held: Mapping[str, NDArray[np.bool_]],
+) -> Array:
+    """(M, n) configurations of all hands together; of those that hold nothing at home."""
     configurations = np.tile(robot.home, (len(items[0].configurations), 1))
-    for (_, hand), item in zip(keys, items, strict=True):
-        joints = robot.arms[hand].joint_indices
-        configurations[:, joints] = item.configurations[:, joints]
+    for (moved, hand), item in zip(keys, items, strict=True):
+        joints = robot.frame_joints(robot.arms[hand].tcp_frame)
+        configurations = np.where(held[moved.role][:, None] & joints, item.configurations, configurations)
     return configurations
 
 
@@ -313,6 +337,7 @@ def _clearances(
     collision: CollisionModel,
     configurations: Array,
     poses: Mapping[str, RigidTransform],
+    held: Mapping[str, NDArray[np.bool_]],
     kinds: Sequence[str],
 ) -> Array:
     """(G,) smallest distance of the given classes over all checkpoints of (G, M, n) configurations, m."""
@@ -320,11 +345,10 @@ def _clearances(
     every = np.tile(np.arange(checkpoints), grasps)
     objects = dict(task.T_agent_object)
     objects.update({moved.name: poses[moved.role][every] for moved in task.moved})
-    always = np.ones(len(every), dtype=bool)
-    held: dict[tuple[str, Hand], NDArray[np.bool_]] = {
-        (moved.name, hand): always for moved in task.moved for hand in moved.hands
+    by_hand: dict[tuple[str, Hand], NDArray[np.bool_]] = {
+        (moved.name, hand): held[moved.role][every] for moved in task.moved for hand in moved.hands
     }
-    report = collision.clearances(configurations.reshape(-1, joints), objects, held, distance_max=COMFORTABLE)
+    report = collision.clearances(configurations.reshape(-1, joints), objects, by_hand, distance_max=COMFORTABLE)
     distance = np.min([report.distance_by_class[kind] for kind in kinds], axis=0)
     return distance.reshape(grasps, checkpoints).min(axis=1)
 

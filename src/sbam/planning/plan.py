@@ -140,7 +140,8 @@ def plan(
     trouble: UnreachableError | TrajectoryError | None = None
     collision = collision_model(task, robot)
     weight = human_likeness_weight(robot, settings)
-    combinations = choose_grasps(task, robot, collision, at_checkpoints, settings.seed, weight)
+    times = task.model.keypoint_times[checkpoints]
+    combinations = choose_grasps(task, robot, collision, at_checkpoints, times, settings.seed, weight)
     # The paper's solver takes a minute each time, and its faults do not come from the grasps.
     for chosen in _in_turn(combinations, ATTEMPTS if settings.solver == "default" else 1):
         try:
