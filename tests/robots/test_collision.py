@@ -99,6 +99,26 @@ def test_many_samples_equal_single_samples(robot, collisions):
         assert alone.pair[0] == together.pair[sample]
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_motions_equal_the_worst_of_their_samples(robot, collisions, seed):
+    motions, length = 3, 20
+    ends = around_home(robot, 2 * motions, spread=0.8, seed=seed).reshape(2, motions, 1, -1)
+    share = np.linspace(0.0, 1.0, length)[:, None]
+    q = ((1 - share) * ends[0] + share * ends[1]).reshape(motions * length, -1)
+    held = {("cup_large", "left"): np.arange(len(q)) % length > length // 2}
+    single = collisions.clearances(q, POSES, held, distance_max=DISTANCE_MAX)
+    whole = collisions.clearances(q, POSES, held, distance_max=DISTANCE_MAX, motions=motions)
+    assert whole.distance.shape == (motions,)
+    for name in PAIR_CLASSES:
+        each = single.distance_by_class[name].reshape(motions, length)
+        np.testing.assert_allclose(whole.distance_by_class[name], each.min(axis=1), atol=1e-9)
+        for motion, when in enumerate(whole.sample_by_class[name]):
+            assert (when < 0) == (whole.pair_by_class[name][motion] is None)
+            if when >= 0:
+                assert when // length == motion
+                assert single.distance_by_class[name][when] == pytest.approx(each[motion].min(), abs=1e-9)
+
+
 def test_home_is_free_and_its_base_may_stand_on_the_table(robot, collisions):
     report = collisions.clearances(robot.home[None], POSES)
     assert report.worst[2] > 0.03

@@ -116,15 +116,13 @@ def check_clearances(
     objects = dict(task.T_agent_object)
     objects.update({moved.name: poses[moved.role][samples] for moved in task.moved})
     held = touching_hands(task, motion.phases, clock[samples])
-    report = collision.clearances(trajectory.position[samples], objects, held)
+    report = collision.clearances(trajectory.position[samples], objects, held, motions=1)
     checks = []
-    for kind, distance in report.distance_by_class.items():
-        worst = int(np.argmin(distance))
-        pair = report.pair_by_class[kind][worst]
-        where = f"{' and '.join(pair)} at {trajectory.time[samples[worst]]:.3f} s" if pair else ""
+    for kind, (distance,) in report.distance_by_class.items():
+        (pair,), (when,) = report.pair_by_class[kind], report.sample_by_class[kind]
+        where = f"{' and '.join(pair)} at {trajectory.time[samples[when]]:.3f} s" if pair else ""
         wanted = 0.0 if kind == "palm-object" else clearance
-        ok = bool(distance[worst] >= wanted)
-        checks.append(Check(f"clearance {kind}", ok, float(distance[worst]), wanted, "m", where))
+        checks.append(Check(f"clearance {kind}", bool(distance >= wanted), float(distance), wanted, "m", where))
     return checks
 
 

@@ -53,13 +53,15 @@ class NearPairs:
 
 @dataclass(frozen=True)
 class ClearanceReport:
-    """Smallest distances of B samples.
+    """Smallest distances of M motions, or of as many single samples.
 
     Attributes:
-        distance: (B,) smallest over all pairs, m; negative in penetration, at most ``distance_max``.
-        pair: B pairs of names (robot bodies or objects) that are nearest, or None where nothing is within it.
+        distance: (M,) smallest over all pairs, m; negative in penetration, at most ``distance_max``.
+        pair: M pairs of names (robot bodies or objects) that are nearest, or None where nothing is within it.
         distance_by_class: the same for each of `PAIR_CLASSES`.
         pair_by_class: the same for each of `PAIR_CLASSES`.
+        sample_by_class: (M,) index of the sample at which they are nearest, for each of `PAIR_CLASSES`; -1 where
+            nothing is within ``distance_max``.
         distance_max: m; farther pairs were not looked at.
     """
 
@@ -67,13 +69,14 @@ class ClearanceReport:
     pair: tuple[tuple[str, str] | None, ...]
     distance_by_class: Mapping[str, Floats]
     pair_by_class: Mapping[str, tuple[tuple[str, str] | None, ...]]
+    sample_by_class: Mapping[str, NDArray[np.int64]]
     distance_max: float
 
     @property
     def worst(self) -> tuple[int, tuple[str, str] | None, float]:
-        """Sample with the smallest distance, its pair and the distance in m."""
-        sample = int(np.argmin(self.distance))
-        return sample, self.pair[sample], float(self.distance[sample])
+        """Motion with the smallest distance, its pair and the distance in m."""
+        motion = int(np.argmin(self.distance))
+        return motion, self.pair[motion], float(self.distance[motion])
 
 
 class CollisionModel:
@@ -107,41 +110,47 @@ class CollisionModel:
         T_world_object: Mapping[str, RigidTransform],
         held: Held | None = None,
         distance_max: float = 0.1,
+        motions: int | None = None,
     ) -> ClearanceReport:
-        """Smallest distance of every sample, by pair class.
+        """Smallest distance by pair class: of every sample, or of every motion over all its samples.
 
         Args:
             configurations: (B, n) joint positions.
             T_world_object: every object's pose in the world: one, or B of them.
             held: (object, arm) -> (B,) mask of the samples at which that hand's fingers may touch that object.
             distance_max: farther pairs are not looked at, m.
+            motions: M, if the samples are those of M motions of equal length, one after the other; default B.
 
         Raises:
             ConfigurationError: if the configurations have another shape or are not finite.
             UnknownNameError: if an object's pose is missing, or a held object or an arm is not known.
         """
         position, rotation = self.shapes.poses(configurations, T_world_object)
-        count = len(position)
+        samples = len(position)
+        count = samples if motions is None else motions
         sample, pair, kind, bound = self._candidates(position, rotation, held, distance_max)
         kinds = len(PAIR_CLASSES)
-        least, closest = [distance_max] * (count * kinds), [-1] * (count * kinds)
+        cell = sample // max(samples // max(count, 1), 1) * kinds + kind
+        least, closest, when = [distance_max] * (count * kinds), [-1] * (count * kinds), [-1] * (count * kinds)
         # nearest bound first: most of the others need no exact distance then
-        order = np.lexsort((bound, sample))
-        sample, pair, kind, bound = sample[order], pair[order], kind[order], bound[order]
+        order = np.lexsort((bound, cell))
         measure = _Measure(self.shapes, position, rotation)
-        cells = sample * kinds + kind
-        for cell, at, which, low in zip(cells.tolist(), sample.tolist(), pair.tolist(), bound.tolist(), strict=True):
-            if low < least[cell]:
-                distance = measure(at, self._pairs[which], least[cell])
-                if distance < least[cell]:
-                    least[cell], closest[cell] = distance, which
-        smallest, nearest = np.reshape(least, (count, kinds)), np.reshape(closest, (count, kinds))
-        by_class = {name: smallest[:, index] for index, name in enumerate(PAIR_CLASSES)}
-        names = {name: tuple(map(self._names, nearest[:, index])) for index, name in enumerate(PAIR_CLASSES)}
+        for at, which, low, where in zip(*(a[order].tolist() for a in (sample, pair, bound, cell)), strict=True):
+            if low < least[where]:
+                distance = measure(at, self._pairs[which], least[where])
+                if distance < least[where]:
+                    least[where], closest[where], when[where] = distance, which, at
+        smallest, nearest, moment = (np.reshape(values, (count, kinds)) for values in (least, closest, when))
         overall = smallest.argmin(axis=1)
         rows = np.arange(count)
-        pairs = tuple(map(self._names, nearest[rows, overall]))
-        return ClearanceReport(smallest[rows, overall], pairs, by_class, names, distance_max)
+        return ClearanceReport(
+            distance=smallest[rows, overall],
+            pair=tuple(map(self._names, nearest[rows, overall])),
+            distance_by_class={name: smallest[:, index] for index, name in enumerate(PAIR_CLASSES)},
+            pair_by_class={name: tuple(map(self._names, nearest[:, i])) for i, name in enumerate(PAIR_CLASSES)},
+            sample_by_class={name: moment[:, index] for index, name in enumerate(PAIR_CLASSES)},
+            distance_max=distance_max,
+        )
 
     def near(
         self,
@@ -206,7 +215,7 @@ class CollisionModel:
 
 
 class _Measure:
-    """Exact distances by MuJoCo; remembers which sample its data stand at."""
+    """Exact distances by MuJoCo."""
 
     def __init__(self, shapes: CollisionShapes, position: Floats, rotation: Floats) -> None:
         import mujoco
@@ -214,15 +223,14 @@ class _Measure:
         self._distance = mujoco.mj_geomDistance
         self._model = shapes.model
         self._data: mujoco.MjData = mujoco.MjData(shapes.model)
+        self._geom_position, self._geom_rotation = self._data.geom_xpos, self._data.geom_xmat
         self._geoms = shapes.geoms
         self._position, self._rotation = position, rotation.reshape(*rotation.shape[:2], 9)
-        self._sample = -1
         self.points = np.zeros(6)
 
     def __call__(self, sample: int, shapes: NDArray[np.int64], distance_max: float) -> float:
-        if sample != self._sample:
-            self._data.geom_xpos[self._geoms] = self._position[sample]
-            self._data.geom_xmat[self._geoms] = self._rotation[sample]
-            self._sample = sample
-        first, second = self._geoms[shapes]
+        first, second = self._geoms[shapes].tolist()
+        for geom, shape in zip((first, second), shapes.tolist(), strict=True):
+            self._geom_position[geom] = self._position[sample, shape]
+            self._geom_rotation[geom] = self._rotation[sample, shape]
         return self._distance(self._model, self._data, first, second, distance_max, self.points)

@@ -50,6 +50,19 @@ class CollisionShapes:
         box = model.geom_aabb[self.geoms]
         self._box_center, self._box_half = box[:, :3], box[:, 3:]
         self._radius = model.geom_rbound[self.geoms]
+        self._spine, self._thickness = self._capsules()
+
+    def _capsules(self) -> tuple[Floats, Floats]:
+        """A capsule around each shape: half its segment (G, 3) from the box's centre, shape's frame, and its radius."""
+        import mujoco
+
+        longest = self._box_half.argmax(axis=1)
+        half = np.take_along_axis(self._box_half, longest[:, None], axis=1)[:, 0]
+        across = np.sqrt(np.maximum((self._box_half**2).sum(axis=1) - half**2, 0.0))
+        kind, size = self.model.geom_type[self.geoms], self.model.geom_size[self.geoms]
+        round_shapes = np.isin(kind, (int(mujoco.mjtGeom.mjGEOM_CAPSULE), int(mujoco.mjtGeom.mjGEOM_CYLINDER)))
+        longest, half = np.where(round_shapes, 2, longest), np.where(round_shapes, size[:, 1], half)
+        return half[:, None] * np.eye(3)[longest], np.where(round_shapes, size[:, 0], across)
 
     def known_object(self, name: str) -> str:
         """The name itself; raises `UnknownNameError` if no object has it."""
@@ -73,8 +86,8 @@ class CollisionShapes:
         for index, name in enumerate(self.objects, start=fixed):
             if name not in T_world_object:
                 raise UnknownNameError("object", name, T_world_object, "the poses given for a collision check")
-            pose = T_world_object[name]
-            position[:, index], rotation[:, index] = pose.translation, pose.rotation.as_matrix()
+            pose = T_world_object[name].as_matrix()
+            position[:, index], rotation[:, index] = pose[..., :3, 3], pose[..., :3, :3]
         turn = rotation[:, self.owner]
         return position[:, self.owner] + (turn @ self._offset[..., None])[..., 0], turn @ self._turn
 
@@ -83,7 +96,8 @@ class CollisionShapes:
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
         """The pairs that may be nearer than a distance; never misses one.
 
-        First bounding spheres, then each shape's bounding box against the other's sphere.
+        First bounding spheres, then capsules around both shapes, then each shape's bounding box against the other's
+        capsule.
 
         Args:
             position: (B, G, 3) of the shapes.
@@ -102,11 +116,36 @@ class CollisionShapes:
         square = np.einsum("bgg->bg", product)
         apart = square[:, first] + square[:, second] - 2 * product[:, first, second]
         sample, pair = np.nonzero(apart < reach**2 + ROUNDING)
-        bound = np.full(len(sample), -np.inf)
-        for one, other in ((first[pair], second[pair]), (second[pair], first[pair])):
-            offset = position[sample, other] - position[sample, one]
-            local = np.einsum("nij,ni->nj", rotation[sample, one], offset) - self._box_center[one]
-            outside = np.maximum(np.abs(local) - self._box_half[one], 0.0)
-            bound = np.maximum(bound, np.linalg.norm(outside, axis=1) - self._radius[other])
+        center = position + np.matvec(rotation, self._box_center)
+        spine = np.matvec(rotation, self._spine)
+        ends = first[pair], second[pair]
+        offset = center[sample, ends[0]] - center[sample, ends[1]]
+        spines = spine[sample, ends[0]], spine[sample, ends[1]]
+        bound = _segment_distance(offset, *spines) - self._thickness[ends[0]] - self._thickness[ends[1]]
+        near = bound < distance
+        sample, pair, bound, offset = sample[near], pair[near], bound[near], offset[near]
+        for one, other, towards in ((first[pair], second[pair], -offset), (second[pair], first[pair], offset)):
+            turn = rotation[sample, one]
+            half = self._box_half[one] + np.abs(np.vecmat(spine[sample, other], turn))
+            outside = np.maximum(np.abs(np.vecmat(towards, turn)) - half, 0.0)
+            bound = np.maximum(bound, np.sqrt(np.vecdot(outside, outside)) - self._thickness[other])
         keep = bound < distance
         return sample[keep], pair[keep], np.where(bound > 0, bound, -np.inf)[keep]
+
+
+def _segment_distance(offset: Floats, first: Floats, second: Floats) -> Floats:
+    """Distance (N,) of segments c1 + s h1 and c2 + t h2, s and t from -1 to 1 (Ericson 2004, section 5.1.9).
+
+    Args:
+        offset: (N, 3) c1 - c2.
+        first: (N, 3) h1.
+        second: (N, 3) h2.
+    """
+    tiny = 1e-12
+    a, b, e = np.vecdot(first, first) + tiny, np.vecdot(first, second), np.vecdot(second, second) + tiny
+    c, f = np.vecdot(first, offset), np.vecdot(second, offset)
+    s = np.clip((b * f - c * e) / np.maximum(a * e - b * b, tiny), -1.0, 1.0)
+    t = np.clip((b * s + f) / e, -1.0, 1.0)
+    s = np.clip((b * t - c) / a, -1.0, 1.0)
+    between = offset + s[:, None] * first - t[:, None] * second
+    return np.sqrt(np.vecdot(between, between))
