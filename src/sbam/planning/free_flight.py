@@ -17,6 +17,7 @@ import sbam.robots
 from sbam.planning.build import build_problem
 from sbam.planning.settings import PlanSettings
 from sbam.planning.solvers.result import Solution
+from sbam.planning.solvers.sequential import solve_sequentially
 from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
 from sbam.planning.task import Task
 from sbam.robots import Robot, load_robot
@@ -49,5 +50,8 @@ def solve_free_flight(task: Task, settings: PlanSettings) -> tuple[Solution, dic
         grasps[moved.role, hand] = RigidTransform.from_rotation(moved.start.rotation.inv())
         start[robot.arms[hand].joint_indices[:3]] = moved.start.translation
     problem = build_problem(single_handed, robot, grasps, replace(settings, human_likeness=0.0))
-    solution = solve_whole_trajectory(problem, [start])
+    if settings.solver == "sequential":
+        solution = solve_sequentially(problem, start)
+    else:
+        solution = solve_whole_trajectory(problem, [start])
     return solution, problem.state(solution.configurations).object_poses()

@@ -25,6 +25,7 @@ from sbam.planning.object_path import shapes_of
 from sbam.planning.reachability import unreached
 from sbam.planning.settings import PlanSettings
 from sbam.planning.solvers.result import Solution
+from sbam.planning.solvers.sequential import solve_sequentially
 from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
 from sbam.planning.start import start_from
 from sbam.planning.task import Task, bind
@@ -143,7 +144,7 @@ def plan(
     times = task.model.keypoint_times[checkpoints]
     combinations = choose_grasps(task, robot, collision, at_checkpoints, times, settings.seed, weight)
     # The paper's solver takes a minute each time, and its faults do not come from the grasps.
-    for chosen in _in_turn(combinations, ATTEMPTS if settings.solver == "default" else 1):
+    for chosen in _in_turn(combinations, ATTEMPTS if settings.solver != "paper" else 1):
         try:
             attempt = _attempt(task, robot, collision, settings, chosen, checkpoints, free, clock)
             if attempt.missed:  # other grasps may miss nothing: not worth timing yet
@@ -197,6 +198,8 @@ def _attempt(
         from sbam.planning.solvers.nelder_mead import solve_nelder_mead
 
         solution = solve_nelder_mead(problem, start[0])
+    elif settings.solver == "sequential":
+        solution = solve_sequentially(problem, start)
     else:
         solution = solve_whole_trajectory(problem, [start])
 
@@ -210,7 +213,7 @@ def _attempt(
 
     clock.enter("motion")
     motion = move(solution)
-    if settings.solver == "default" and settings.avoid_collisions:
+    if settings.solver != "paper" and settings.avoid_collisions:
         clock.enter("avoidance")
         solution, motion = keep_clear(task, robot, collision, problem, solution, motion, move, times, settings)
     return _Attempt(grasps, solution, motion, tuple(unreached(problem, solution, free, times)))

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 
 from sbam.errors import SettingsError
 
-Solver = Literal["default", "paper"]
+Solver = Literal["default", "sequential", "paper"]
 Between = Literal["poses", "primitive", "splines", "lines"]
 Posture = Literal["directions", "joints"]
 SAMPLE_RATES = (10.0, 10_000.0)  # Hz
@@ -19,8 +19,8 @@ class PlanSettings:
     """How to plan.
 
     Attributes:
-        solver: ``default`` (all keypoints at once) or ``paper`` (Nelder-Mead over end-effector poses, keypoint by
-            keypoint, joints interpolated linearly).
+        solver: ``default`` (all keypoints at once), ``sequential`` (the same, keypoint by keypoint) or ``paper``
+            (Nelder-Mead over end-effector poses, keypoint by keypoint, joints interpolated linearly).
         human_likeness: weight lambda_h of t_h; None takes the robot's default (0 where it says so).
         between: what runs between keypoints: ``poses`` of the objects, the arms follow; the same in the demonstrated
             shape, as a movement ``primitive``; or the joints, by ``splines`` or, as in the paper, by straight
