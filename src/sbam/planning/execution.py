@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import RigidTransform, Rotation
+from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.demonstration import Hand
 from sbam.planning.checks import Check
 from sbam.planning.grasps import Grasp
 from sbam.planning.motion import Motion, Phase
+from sbam.planning.rotation_error import rotation_error
 from sbam.planning.task import Task
 from sbam.planning.touching import touching_hands
 from sbam.planning.trajectory import JointTrajectory
@@ -69,12 +70,11 @@ def execute(
     """
     arms = list(robot.arms)
     kinematics = robot.kinematics(trajectory.position, [robot.arms[arm].tcp_frame for arm in arms])
-    tcp = {
-        arm: RigidTransform.from_components(
-            kinematics.position[:, i], Rotation.from_matrix(kinematics.rotation[:, i], assume_valid=True)
-        )
-        for i, arm in enumerate(arms)
-    }
+    T_agent_tcp = np.zeros((len(arms), len(clock), 4, 4))
+    T_agent_tcp[..., :3, :3] = kinematics.rotation.swapaxes(0, 1)
+    T_agent_tcp[..., :3, 3] = kinematics.position.swapaxes(0, 1)
+    T_agent_tcp[..., 3, 3] = 1.0
+    tcp = dict(zip(arms, T_agent_tcp, strict=True))
     checks: list[Check] = []
     poses: dict[str, RigidTransform] = {}
     for moved in task.moved:
@@ -82,20 +82,15 @@ def execute(
             phase.name: phase for phase in motion.phases if phase.role == moved.role and phase.hand == moved.hands[0]
         }
         lift, place = phases["manipulate"].start, phases["manipulate"].end
-        carried = tcp[moved.hands[0]] * grasps[moved.role, moved.hands[0]].T_object_tcp.inv()
-        before, after = clock <= lift, clock >= place
-        rotation = carried.rotation.as_quat()
-        position = carried.translation.copy()
-        position[before], rotation[before] = moved.start.translation, moved.start.rotation.as_quat()
-        position[after], rotation[after] = moved.put_down.translation, moved.put_down.rotation.as_quat()
-        poses[moved.role] = RigidTransform.from_components(position, Rotation.from_quat(rotation))
+        pose = tcp[moved.hands[0]] @ grasps[moved.role, moved.hands[0]].T_object_tcp.inv().as_matrix()
+        pose[clock <= lift] = moved.start.as_matrix()
+        pose[clock >= place] = moved.put_down.as_matrix()
+        poses[moved.role] = RigidTransform(pose, normalize=False, copy=False)
         for hand in moved.hands:
-            checks += _check_hold(
-                task, grasps[moved.role, hand], tcp[hand], poses[moved.role], motion, trajectory, clock
-            )
+            checks += _check_hold(task, grasps[moved.role, hand], tcp[hand], pose, motion, trajectory, clock)
         wanted = next(path for path in motion.objects if path.role == moved.role)
         expected = np.stack([np.interp(clock, wanted.time, column) for column in wanted.pose.translation.T], axis=-1)
-        off = np.linalg.norm(position - expected, axis=1)
+        off = np.linalg.norm(pose[:, :3, 3] - expected, axis=1)
         checks.append(_largest(f"{moved.name} follows its path", off, 2e-3, "m", trajectory.time))
     checks += check_clearances(task, collision, motion, poses, trajectory, clock, clearance)
     checks.append(_check_torques(task, robot, poses, grasps, trajectory))
@@ -143,24 +138,33 @@ def _phase(motion: Motion, grasp: Grasp, name: str) -> Phase:
 def _check_hold(
     task: Task,
     grasp: Grasp,
-    tcp: RigidTransform,
-    pose: RigidTransform,
+    tcp: Array,
+    pose: Array,
     motion: Motion,
     trajectory: JointTrajectory,
     clock: Array,
 ) -> Sequence[Check]:
-    """A hand keeps its grasp from closing to opening: in the object's frame the TCP stands still."""
+    """A hand keeps its grasp from closing to opening: in the object's frame the TCP stands still.
+
+    Args:
+        task: model bound to a scene.
+        grasp: the grasp.
+        tcp: (N, 4, 4) poses of the hand's TCP, agent frame.
+        pose: (N, 4, 4) poses of the object, agent frame.
+        motion: says when the fingers close and open.
+        trajectory: the timed trajectory.
+        clock: (N,) model time of its samples, s.
+    """
     held = (clock >= _phase(motion, grasp, "grasp").start) & (clock <= _phase(motion, grasp, "place").end)
-    pose, tcp = pose[held], tcp[held]
-    R_object_agent = pose.rotation.inv()
-    slip = R_object_agent.apply(tcp.translation - pose.translation) - grasp.T_object_tcp.translation
-    turn = (R_object_agent * tcp.rotation * grasp.T_object_tcp.rotation.inv()).magnitude()
+    tcp, wanted = tcp[held], pose[held] @ grasp.T_object_tcp.as_matrix()
+    slip = np.linalg.norm(tcp[:, :3, 3] - wanted[:, :3, 3], axis=1)
+    turn = np.linalg.norm(rotation_error(tcp[:, :3, :3], wanted[:, :3, :3]), axis=1)
     name = next(moved.name for moved in task.moved if moved.role == grasp.role)
     time = trajectory.time[held]
     return [
         _largest(
             f"{grasp.hand} hand keeps its place on {name}",
-            np.linalg.norm(slip, axis=1),
+            slip,
             min(CLOSURE_POSITION, JUMP),
             "m",
             time,
@@ -187,27 +191,21 @@ def _check_torques(
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     data = mujoco.MjData(model)
     samples = np.arange(0, len(trajectory.time), _stride(trajectory, TORQUE_SAMPLES))
-    ratio = np.zeros((len(samples), len(robot.joint_names)))
-    loads = []
-    for (role, hand), _ in grasps.items():
-        moved = next(moved for moved in task.moved if moved.role == role)
-        aloft = np.linalg.norm(poses[role].translation - moved.start.translation, axis=1) > 1e-3
-        loads.append((robot.arms[hand].tcp_frame, moved.model.mass * GRAVITY / len(moved.hands), aloft))
-    frames = [frame for frame, _, _ in loads]
-    kinematics = robot.kinematics(trajectory.position[samples], frames)
-    lifting = [
-        point_jacobian(kinematics, kinematics.position[:, i], robot.frame_joints(frame))[:, 2]
-        for i, frame in enumerate(frames)
-    ]
-    for row, sample in enumerate(samples):
-        data.qpos[:], data.qvel[:] = trajectory.position[sample], trajectory.velocity[sample]
-        data.qacc[:] = trajectory.acceleration[sample]
+    motion = np.stack([a[samples] for a in (trajectory.position, trajectory.velocity, trajectory.acceleration)], axis=1)
+    torque = np.empty((len(samples), len(robot.joint_names)))
+    qpos, qvel, qacc, inverse = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
+    for row, (position, velocity, acceleration) in enumerate(motion):
+        qpos[:], qvel[:], qacc[:] = position, velocity, acceleration
         mujoco.mj_inverse(model, data)
-        torque = data.qfrc_inverse.copy()
-        for (_, weight, aloft), jacobian in zip(loads, lifting, strict=True):
-            if aloft[sample]:
-                torque += weight * jacobian[row]
-        ratio[row] = np.abs(torque) / robot.torque_limit
+        torque[row] = inverse
+    frames = [robot.arms[hand].tcp_frame for _, hand in grasps]
+    kinematics = robot.kinematics(motion[:, 0], frames)
+    for i, (role, _) in enumerate(grasps):
+        moved = next(moved for moved in task.moved if moved.role == role)
+        aloft = np.linalg.norm(poses[role].translation[samples] - moved.start.translation, axis=1) > 1e-3
+        lifting = point_jacobian(kinematics, kinematics.position[:, i], robot.frame_joints(frames[i]))[:, 2]
+        torque += (aloft * moved.model.mass * GRAVITY / len(moved.hands))[:, None] * lifting
+    ratio = np.abs(torque) / robot.torque_limit
     row, joint = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     worst = float(ratio[row, joint])
     where = f"{robot.joint_names[joint]} at {trajectory.time[samples[row]]:.3f} s"
