@@ -40,6 +40,7 @@ LEARNING_OFF = {
 """Deviations of the learning, switched off; ``mode`` also brings the paper's damping, targets and rests."""
 
 PLANNING_OFF = {
+    "keypoint by keypoint": {"solver": "sequential"},
     "no damping": {"damping": 0.0},
     "no smoothness": {"smoothness": 0.0},
     "places whatever the start": {"slide_supports": False},

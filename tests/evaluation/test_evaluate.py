@@ -77,6 +77,7 @@ def test_learning_from_a_folder_only_what_shows_an_object(tmp_path: Path):
         (["rolling", "--seed", "-1"], 2, "--seed -1"),
         (["rolling", "--robot", "nobody"], 1, "unknown robot 'nobody'"),
         (["nowhere.xml"], 1, "nowhere.xml"),
+        (["rolling", "--robot", "flying_hands", "--solver", "default", "paper"], 1, "the paper's needs arms"),
     ],
 )
 def test_what_cannot_be_done_is_said(arguments, code, said, capsys):

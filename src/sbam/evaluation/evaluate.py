@@ -14,6 +14,7 @@ from sbam.constraints import constraint_type
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.loading import BUILT_IN, load
 from sbam.demonstrations.synthetic import BuiltInTask, built_in_demonstrations
+from sbam.errors import SettingsError
 from sbam.evaluation.cross_validation import evaluate_folds, learning_only_from, leave_one_out, train_and_test
 from sbam.evaluation.fold import FLYING_HANDS, Condition, FoldResult
 from sbam.evaluation.table import Table
@@ -53,7 +54,8 @@ def evaluate(
         robot: name or description file of a robot, or ``flying_hands``: none.
         constraints: constraint types.
         modes: how to learn: ``default``, ``paper``.
-        solvers: how to solve: ``default``, ``paper`` (about a minute a fold).
+        solvers: how to solve: ``default``, ``paper`` (about a minute a fold; not with flying hands, whose solution
+            is that of ``default``).
         prune: least relative precision of pairs that are kept; None keeps all.
         seed: of the built-in demonstrations.
         library: models of the objects; by default the built-in ones.
@@ -65,6 +67,8 @@ def evaluate(
     Raises:
         SbamError: if recordings, robot, constraint type, mode or cluster cannot be used.
     """
+    if robot == FLYING_HANDS and "paper" in solvers:
+        raise SettingsError("solver", "paper", f"'default' with {FLYING_HANDS}: the paper's needs arms")
     conditions = [
         Condition(f"{mode}/{solver}", constraint, LearningSettings.for_mode(mode), _planning(solver, prune), robot)
         for mode in modes
