@@ -34,6 +34,7 @@ def test_gradients_predict_distances(small_plan, problem_of):
     cut = replace(
         motion,
         clock=motion.clock[within],
+        model_time=motion.model_time[within],
         configurations=motion.configurations[within],
         objects=tuple(replace(o, time=o.time[within], pose=o.pose[within]) for o in motion.objects),
     )

@@ -1,9 +1,10 @@
-"""The way of one arm from home to its grasp; reversed, the way back."""
+"""The way of one arm from home to its grasp past all that stands or moves there; reversed, the way back."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import tee
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,10 @@ from sbam.planning.follow import follow
 from sbam.planning.grasps import Grasp
 from sbam.planning.inverse_kinematics import solve_poses
 from sbam.planning.object_path import ease
+from sbam.planning.timeline import STEP, lag
 from sbam.robots import Robot
 from sbam.robots.collision import CollisionModel
+from sbam.robots.description import ArmName
 
 Array = NDArray[np.float64]
 
@@ -27,6 +30,10 @@ LINE_TIME = 0.8  # s of the straight part
 TRANSFER_SPEED = 1.0  # rad/s: mean speed of the fastest joint between home and the standoff
 COMFORTABLE = 0.02  # m of clearance with which the search for a transfer ends
 SAMPLES = 25  # configurations of a transfer whose clearance is measured
+LINE_SAMPLES = 4  # of the straight part
+ENOUGH = 0.005  # m: with less clearance it is tried whether it helps if all else waits
+PAYS = 0.001  # m of clearance for which waiting pays
+SHARES = (0.25, 0.5, 0.75)  # of the way for which all else waits, before it waits for the whole of it
 # Way points of the hand tried between home and the standoff: (up, back along the approach), m.
 DETOURS = ((0.10, 0.0), (0.0, 0.10), (0.15, 0.10), (0.25, 0.0))
 SPREADS = (0.3, 0.6, 0.9)  # rad: how far random way points are from the middle of the way, where detours do not help
@@ -40,10 +47,12 @@ class Way:
     Attributes:
         transfer: (T, n) from home to the standoff.
         line: (L, n) from the standoff straight to the grasp.
+        wait: for how many ticks before the grasp all else has to stand still.
     """
 
     transfer: Array
     line: Array
+    wait: int = 0
 
     @property
     def joined(self) -> Array:
@@ -51,56 +60,139 @@ class Way:
         return np.concatenate([self.transfer, self.line[1:]])
 
 
-def way_to_grasp(
-    robot: Robot,
-    collision: CollisionModel,
-    T_agent_object: Mapping[str, RigidTransform],
-    grasp: Grasp,
-    at_grasp: Array,
-    step: float,
-) -> Way:
-    """Find a way from home to a grasp that keeps clear of what stands around.
+@dataclass(frozen=True)
+class Surroundings:
+    """What one arm meets on its way.
 
-    Tried in turn: straight in the joints, over way points of the hand, over random way points near the middle.
+    Attributes:
+        configurations: (S, n) of the whole robot; the arm's own joints do not count.
+        T_agent_object: object name -> pose, or S poses.
+        held: (object name, hand) -> (S,) when that hand may touch that object.
+    """
+
+    configurations: Array
+    T_agent_object: Mapping[str, RigidTransform]
+    held: Mapping[tuple[str, ArmName], NDArray[np.bool_]]
+
+
+# What an arm meets so many ticks (S,) before it has to be at its grasp, and on which of them it may touch its object.
+Meets = Callable[[Array, NDArray[np.bool_]], Surroundings]
+
+
+def way_to_grasp(robot: Robot, collision: CollisionModel, grasp: Grasp, at_grasp: Array, meets: Meets) -> Way:
+    """Find a way from home to a grasp that keeps clear of what stands around and of the other arm on its way.
+
+    Tried in turn: straight in the joints, over way points of the hand, over random way points near the middle. Where
+    none keeps clear, the same while all else stands still, as shortly as possible.
 
     Args:
         robot: robot standing in the agent frame.
         collision: shapes of the robot and the scene's objects.
-        T_agent_object: object name -> pose while the arm is on its way.
         grasp: the grasp.
         at_grasp: (n,) configuration that holds it.
-        step: time between configurations, s.
+        meets: what is around when.
 
     Raises:
         UnreachableError: if the straight line to the grasp cannot be followed.
     """
-    line, standoff, direction = _straight_line(robot, grasp, at_grasp, step)
+    line, standoff, direction = _straight_line(robot, grasp, at_grasp, STEP)
     joints = robot.frame_joints(robot.arms[grasp.hand].tcp_frame)
     home = np.where(joints, robot.clip(robot.home), line[0])
-
-    def clearance(configurations: Array) -> Array:
-        sampled = np.where(joints, configurations, robot.home)
-        count = len(sampled)
-        distance = collision.clearances(
-            sampled.reshape(-1, sampled.shape[-1]), T_agent_object, distance_max=2 * COMFORTABLE
-        ).distance
-        return distance.reshape(count, -1).min(axis=1)
-
+    passage = _Passage(robot, collision, joints, line, meets)
+    curves, again = tee(_curves(robot, grasp, standoff, direction, home, line[0]))
+    straight = _Curve(make_interp_spline([0.0, 1.0], np.stack([home, line[0]]), k=1))
     # More than at its ends no way can have.
-    enough = min(COMFORTABLE, float(clearance(np.stack([home, line[0]])[:, None]).min()) - 1e-4)
-    best, best_clearance = None, -np.inf
-    for curves in _curves(robot, grasp, standoff, direction, home, line[0]):
-        found = clearance(np.array([curve(np.linspace(0.0, 1.0, SAMPLES)) for curve in curves]))
-        # Of those that keep clear, the shortest.
-        travels = np.array([_travel(curve) for curve in curves])
-        choice = int(np.lexsort((travels, -np.minimum(found, enough)))[0])
-        if found[choice] > best_clearance:
-            best, best_clearance = curves[choice], float(found[choice])
-        if best_clearance >= enough:
-            break
-    assert best is not None  # going straight is always possible
-    steps = max(int(np.ceil(max(_travel(best) / TRANSFER_SPEED, 0.5) / step)), 1)
-    return Way(best(ease(np.linspace(0.0, 1.0, steps + 1))), line)
+    most, most_waiting = passage.ends(straight, 0.0), passage.ends(straight, 1.0)
+    hopeless = most < min(ENOUGH, most_waiting - PAYS)
+    best, clear = (straight, most) if hopeless else passage.best(curves, most, 0.0)
+    if clear >= min(ENOUGH, most_waiting - PAYS):
+        return Way(best.configurations(), line)
+    patient, clear_waiting = passage.best(again, most_waiting, 1.0)
+    if not hopeless and clear_waiting < clear + PAYS:
+        return Way(best.configurations(), line)
+    ticks = patient.ticks + len(line) - 1
+    good = min(clear_waiting, COMFORTABLE) - PAYS
+    share = next((s for s in SHARES if passage.clearance([patient], s)[0] >= good), 1.0)
+    return Way(patient.configurations(), line, round(share * ticks))
+
+
+class _Curve:
+    """A smooth joint path over [0, 1] from home to the standoff, and how many ticks it takes."""
+
+    def __init__(self, path: BSpline) -> None:
+        self.path = path
+        # How far the joint that travels most travels, rad or m.
+        self.travel = float(np.abs(np.diff(path(np.linspace(0.0, 1.0, 100)), axis=0)).sum(axis=0).max())
+        self.ticks = max(int(np.ceil(max(self.travel / TRANSFER_SPEED, 0.5) / STEP)), 1)
+
+    def configurations(self) -> Array:
+        """(ticks + 1, n)."""
+        return self.path(ease(np.linspace(0.0, 1.0, self.ticks + 1)))
+
+
+class _Passage:
+    """Measures how clear ways keep; ``share`` is the share of a way for which all else waits."""
+
+    def __init__(
+        self, robot: Robot, collision: CollisionModel, joints: NDArray[np.bool_], line: Array, meets: Meets
+    ) -> None:
+        self._robot, self._collision, self._joints, self._line, self._meets = robot, collision, joints, line, meets
+
+    def best(self, groups: Iterator[list[_Curve]], most: float, share: float) -> tuple[_Curve, float]:
+        """The shortest curve of the first group in which one keeps comfortably clear, or the clearest of all."""
+        enough = min(COMFORTABLE, most) - 1e-4
+        best, best_clearance = None, -np.inf
+        for curves in groups:
+            found = self.clearance(curves, share)
+            choice = int(np.lexsort(np.stack([[curve.travel for curve in curves], -np.minimum(found, enough)]))[0])
+            if found[choice] > best_clearance:
+                best, best_clearance = curves[choice], float(found[choice])
+            if best_clearance >= enough:
+                break
+        assert best is not None  # going straight is always possible
+        return best, best_clearance
+
+    def ends(self, curve: _Curve, share: float) -> float:
+        """Least distance at home, where the curve leaves it, and on the straight line to the grasp, m."""
+        total = self._total(curve)
+        left = np.linspace(len(self._line) - 1, 0, LINE_SAMPLES).round()
+        line = self._measured(self._line[len(self._line) - 1 - left.astype(int)], left, share * total, on_line=True)
+        home = self._measured(curve.path(np.zeros(1)), np.array([float(total)]), share * total)
+        return float(min(line[0], home[0]))
+
+    def clearance(self, curves: Sequence[_Curve], share: float) -> Array:
+        """(C,) least distances on the curves, m."""
+        shares = np.linspace(0.0, 1.0, SAMPLES)
+        grid = np.linspace(0.0, 1.0, 200)
+        moments = 1.0 - np.interp(shares, ease(grid), grid)
+        totals = np.array([self._total(curve) for curve in curves])
+        ticks = np.array([curve.ticks for curve in curves])
+        left = moments * ticks[:, None] + len(self._line) - 1
+        return self._measured(
+            np.concatenate([curve.path(shares) for curve in curves]),
+            left.ravel(),
+            np.repeat(share * totals, SAMPLES),
+            motions=len(curves),
+        )
+
+    def _total(self, curve: _Curve) -> int:
+        return curve.ticks + len(self._line) - 1
+
+    def _measured(
+        self, configurations: Array, left: Array, wait: Array | float, on_line: bool = False, motions: int = 1
+    ) -> Array:
+        """Least distance of each motion; ``left`` are the ticks until the grasp, ``wait`` those without all else."""
+        meets = self._meets(
+            np.where(np.asarray(wait) > 0.0, lag(left - wait), left), np.full(len(configurations), on_line)
+        )
+        report = self._collision.clearances(
+            np.where(self._joints, configurations, meets.configurations),
+            meets.T_agent_object,
+            meets.held,
+            2 * COMFORTABLE,
+            motions,
+        )
+        return np.min([d for kind, d in report.distance_by_class.items() if kind != "palm-object"], axis=0)
 
 
 def _straight_line(robot: Robot, grasp: Grasp, at_grasp: Array, step: float) -> tuple[Array, RigidTransform, Array]:
@@ -129,16 +221,11 @@ def _straight_line(robot: Robot, grasp: Grasp, at_grasp: Array, step: float) -> 
     )
 
 
-def _travel(curve: BSpline) -> float:
-    """How far the joint that travels most travels, rad or m."""
-    return float(np.abs(np.diff(curve(np.linspace(0.0, 1.0, 200)), axis=0)).sum(axis=0).max())
-
-
 def _curves(
     robot: Robot, grasp: Grasp, standoff: RigidTransform, direction: Array, home: Array, at_standoff: Array
-) -> Iterator[list[BSpline]]:
+) -> Iterator[list[_Curve]]:
     """Smooth joint paths over [0, 1] from home to the standoff, in the order in which they are to be tried."""
-    yield [make_interp_spline([0.0, 1.0], np.stack([home, at_standoff]), k=1)]
+    yield [_Curve(make_interp_spline([0.0, 1.0], np.stack([home, at_standoff]), k=1))]
     for detour in DETOURS:
         curve = _detour(robot, grasp, standoff, direction, home, at_standoff, detour)
         if curve is not None:
@@ -161,7 +248,7 @@ def _detour(
     home: Array,
     at_standoff: Array,
     detour: tuple[float, float],
-) -> BSpline | None:
+) -> _Curve | None:
     """Path through a way point of the hand, or None if that is out of reach."""
     up, back = detour
     point = standoff.translation + np.array([0.0, 0.0, up]) - back * direction
@@ -176,11 +263,11 @@ def _detour(
     return _through(robot, home, solution.configurations[0], at_standoff) if solution.reached()[0] else None
 
 
-def _through(robot: Robot, home: Array, way_point: Array, at_standoff: Array) -> BSpline | None:
+def _through(robot: Robot, home: Array, way_point: Array, at_standoff: Array) -> _Curve | None:
     """Path through a configuration, or None if it leaves the joint limits."""
     points = np.stack([home, way_point, at_standoff])
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     middle = np.clip(lengths[0] / lengths.sum(), 0.1, 0.9)
     curve = make_interp_spline([0.0, middle, 1.0], points, k=2)
     inside = curve(np.linspace(0.0, 1.0, SAMPLES))
-    return curve if (inside >= robot.lower).all() and (inside <= robot.upper).all() else None
+    return _Curve(curve) if (inside >= robot.lower).all() and (inside <= robot.upper).all() else None

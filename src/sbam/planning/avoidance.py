@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.errors import UnreachableError
-from sbam.planning.motion import STEP, Motion
+from sbam.planning.motion import Motion
 from sbam.planning.problem import Problem
 from sbam.planning.settings import PlanSettings
 from sbam.planning.solvers.result import Solution, describe
 from sbam.planning.solvers.whole_trajectory import SCHEDULE, descend
 from sbam.planning.task import Task
 from sbam.planning.terms import Clearance
+from sbam.planning.timeline import STEP
 from sbam.planning.touching import touching_hands
 from sbam.robots import Robot, point_jacobian
 from sbam.robots.collision import CollisionModel
@@ -125,7 +126,7 @@ def clearance_term(
     relative -= _point_jacobian(task, robot, near.point_second, near.second, q[near.sample], steered[near.sample])
     gradient = np.matvec(np.swapaxes(relative, -1, -2), near.normal)
     counts = np.linalg.norm(gradient, axis=1) > EFFECT
-    moment = clock[near.sample][counts]
+    moment = motion.model_time[ticks][near.sample][counts]
     interval = np.clip(np.searchsorted(times, moment), 1, len(times) - 1)
     fraction = np.clip((moment - times[interval - 1]) / (times[interval] - times[interval - 1]), 0.0, 1.0)
     return _by_interval(configurations, margin, interval, near.distance[counts], fraction, gradient[counts])

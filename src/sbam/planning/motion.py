@@ -1,6 +1,7 @@
 """Joint motion of the whole action: approach, grasp, manipulate, place and retreat of every hand on one clock.
 
-The clock is the model's time axis, extended where the robot needs longer to approach than the person did.
+The clock is the model's time axis, extended where the robot needs longer to approach than the person did, and where one
+arm has to wait until the other one has passed.
 """
 
 from __future__ import annotations
@@ -11,36 +12,26 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import pchip_interpolate
+from scipy.interpolate import make_interp_spline, pchip_interpolate
 from scipy.ndimage import gaussian_filter1d
-from scipy.spatial.transform import RigidTransform
+from scipy.spatial.transform import RigidTransform, Slerp
 
 from sbam.demonstrations.demonstration import Hand
-from sbam.planning.approach import LINE_TIME, Way, way_to_grasp
+from sbam.planning.approach import LINE_TIME
 from sbam.planning.demonstrated_shape import DemonstratedShape
 from sbam.planning.follow import follow
 from sbam.planning.grasps import Grasp
 from sbam.planning.object_path import EASING, SMOOTHING, ObjectPath, ease, object_path
 from sbam.planning.task import MovedObject, Task
+from sbam.planning.timeline import STEP, Phase, Timeline
+from sbam.planning.ways import poses_at, with_ways
 from sbam.robots import Robot
 from sbam.robots.collision import CollisionModel
 
 Array = NDArray[np.float64]
 
 MARGIN = 25  # ticks
-STEP = 0.02  # s between the configurations that are solved for
 CLOSING_TIME = 0.3  # s in which the fingers close before the lift and open after the place
-
-
-@dataclass(frozen=True)
-class Phase:
-    """A named stretch of one hand's motion on the clock, s."""
-
-    hand: Hand
-    name: str
-    start: float
-    end: float
-    role: str = ""
 
 
 @dataclass(frozen=True)
@@ -48,13 +39,15 @@ class Motion:
     """The dense motion before it is timed.
 
     Attributes:
-        clock: (N,) uniform, model's time axis, s; starts before 0 where approaches take longer than the person's.
+        clock: (N,) uniform, s; starts before 0 where approaches take longer than the person's.
+        model_time: (N,) s on the model's axis at these ticks: the clock, as long as nothing has waited.
         configurations: (N, n) rad or m.
         objects: dense path of each moved object, on the clock.
         phases: what each hand does when.
     """
 
     clock: Array
+    model_time: Array
     configurations: Array
     objects: tuple[ObjectPath, ...]
     phases: tuple[Phase, ...]
@@ -91,43 +84,40 @@ def make_motion(
     shapes = shapes or {}
     configurations = _with_steady_torso(task, robot, keypoint_times, configurations)
     home = robot.clip(robot.home)
-    before = task.T_agent_object
-    after = {**before, **{moved.name: moved.put_down for moved in task.moved}}
-    held, reaches, begins, ends = {}, {}, [], []
+    paths = {
+        moved.role: object_path(
+            task,
+            moved,
+            keypoint_times,
+            object_poses[moved.role],
+            _longer(_hold_clock(moved)),
+            shapes.get(moved.role),
+        )
+        for moved in task.moved
+    }
+    holds: dict[tuple[str, Hand], Array] = {}
     for moved in task.moved:
+        ticks = _hold_clock(moved)
         for hand in moved.hands:
-            grasp = grasps[moved.role, hand]
+            hold: Array
             if joints_between == "splines":
-                hold = pchip_interpolate(keypoint_times, configurations, _hold_clock(moved))
+                hold = np.asarray(pchip_interpolate(keypoint_times, configurations, ticks))
             elif joints_between == "lines":
-                ticks = _hold_clock(moved)
                 hold = np.stack([np.interp(ticks, keypoint_times, column) for column in configurations.T], axis=-1)
             else:
-                pose = _held_pose(task, moved, keypoint_times, object_poses[moved.role], shapes.get(moved.role))
-                hold = _hold(robot, moved, grasp, keypoint_times, configurations, pose)
-            approach = way_to_grasp(robot, collision, before, grasp, hold[0], STEP)
-            retreat = way_to_grasp(robot, collision, after, grasp, hold[-1], STEP)
-            held[moved.role, hand], reaches[moved.role, hand] = hold, (approach, retreat)
-            begins.append(moved.lift - CLOSING_TIME - STEP * (len(approach.joined) - 1))
-            ends.append(moved.place + CLOSING_TIME + STEP * (len(retreat.joined) - 1))
-    first = int(np.floor(min([*begins, keypoint_times[0]]) / STEP)) - 2
-    last = int(np.ceil(max([*ends, keypoint_times[-1]]) / STEP)) + 2
-    clock: Array = STEP * np.arange(first, last + 1, dtype=np.float64)
-    path = np.tile(home, (len(clock), 1))
-    phases: list[Phase] = []
-    for moved in task.moved:
-        for hand in moved.hands:
-            joints = np.flatnonzero(robot.frame_joints(robot.arms[hand].tcp_frame))
-            phases += _place_on_clock(
-                clock, path, joints, moved, hand, held[moved.role, hand], *reaches[moved.role, hand]
-            )
-    torso = _references(keypoint_times, configurations[:, robot.torso_indices], clock)
-    _move_torso(robot, clock, path, phases, home, torso)
-    objects = tuple(
-        object_path(task, moved, keypoint_times, object_poses[moved.role], clock, shapes.get(moved.role))
-        for moved in task.moved
-    )
-    return Motion(clock, path, objects, tuple(sorted(phases, key=lambda phase: (phase.hand, phase.start))))
+                pose = paths[moved.role].pose[MARGIN:-MARGIN]
+                hold = _hold(robot, moved, grasps[moved.role, hand], keypoint_times, configurations, pose)
+            holds[moved.role, hand] = hold
+    timeline = with_ways(task, robot, collision, grasps, paths, holds, _holding(task, robot, holds))
+    early = min(0, int(np.floor((keypoint_times[0] - timeline.model_time[0]) / STEP)))
+    late = max(0, int(np.ceil((keypoint_times[-1] - timeline.model_time[-1]) / STEP)))
+    timeline = timeline.covering(early - 2, len(timeline.model_time) + late + 1)
+    path = timeline.configurations.copy()
+    torso = _at(timeline.model_time, keypoint_times, configurations[:, robot.torso_indices])
+    _move_torso(robot, timeline.clock, path, timeline.phases, home, torso)
+    objects = tuple(_on_clock(paths[moved.role], timeline) for moved in task.moved)
+    phases = tuple(sorted(timeline.phases, key=lambda phase: (phase.hand, phase.start)))
+    return Motion(timeline.clock, timeline.model_time, path, objects, phases)
 
 
 def _with_steady_torso(task: Task, robot: Robot, keypoint_times: Array, configurations: Array) -> Array:
@@ -141,6 +131,15 @@ def _with_steady_torso(task: Task, robot: Robot, keypoint_times: Array, configur
     for joint in robot.torso_indices:
         result[:, joint] = np.interp(steady, keypoint_times, configurations[:, joint])
     return result
+
+
+def _at(model_time: Array, keypoint_times: Array, values: Array) -> Array:
+    """Keypoint values (K, m) at increasing model times (N,), without corners, (N, m)."""
+    if values.shape[1] == 0:
+        return np.empty((len(model_time), 0))
+    first, last = np.floor(model_time[0] / STEP), np.ceil(model_time[-1] / STEP)
+    even = STEP * np.arange(first, last + 1.0)
+    return make_interp_spline(even, _references(keypoint_times, values, even), k=3)(model_time)
 
 
 def _references(keypoint_times: Array, values: Array, time: Array) -> Array:
@@ -177,14 +176,6 @@ def _longer(clock: Array) -> Array:
     return np.concatenate([clock[0] - more[::-1], clock, clock[-1] + more])
 
 
-def _held_pose(
-    task: Task, moved: MovedObject, keypoint_times: Array, poses: RigidTransform, shape: DemonstratedShape | None
-) -> RigidTransform:
-    """M poses of an object on every tick of `_hold_clock`."""
-    time = _longer(_hold_clock(moved))
-    return object_path(task, moved, keypoint_times, poses, time, shape).pose[MARGIN:-MARGIN]
-
-
 def _hold(
     robot: Robot,
     moved: MovedObject,
@@ -204,32 +195,30 @@ def _hold(
     return solved
 
 
-def _place_on_clock(
-    clock: Array,
-    path: Array,
-    joints: NDArray[np.int_],
-    moved: MovedObject,
-    hand: Hand,
-    hold: Array,
-    approach: Way,
-    retreat: Way,
-) -> Sequence[Phase]:
-    """Write one arm's columns of the path and say which phase is when."""
-    ticks = _hold_clock(moved)
-    offset = round((ticks[0] - clock[0]) / STEP)
+def _holding(task: Task, robot: Robot, holds: Mapping[tuple[str, Hand], Array]) -> Timeline:
+    """Every hand from grasp to release; before and after it stays there."""
     closing = round(CLOSING_TIME / STEP)
-    grasp_tick = offset - closing
-    start_tick = grasp_tick - (len(approach.joined) - 1)
-    path[start_tick : grasp_tick + 1, joints] = approach.joined[:, joints]
-    path[grasp_tick:offset, joints] = hold[0, joints]
-    path[offset : offset + len(hold), joints] = hold[:, joints]
-    place_tick = offset + len(hold) - 1
-    release_tick = place_tick + closing
-    path[place_tick : release_tick + 1, joints] = hold[-1, joints]
-    back = retreat.joined[::-1]
-    path[release_tick : release_tick + len(back), joints] = back[:, joints]
-    time = clock[0] + STEP * np.array(
-        [start_tick, grasp_tick, offset, place_tick, release_tick, release_tick + len(back) - 1]
-    )
-    names = ("approach", "grasp", "manipulate", "place", "retreat")
-    return [Phase(hand, name, time[i], time[i + 1], moved.role) for i, name in enumerate(names)]
+    lifts = {moved.role: round(_hold_clock(moved)[0] / STEP) for moved in task.moved}
+    places = {moved.role: round(_hold_clock(moved)[-1] / STEP) for moved in task.moved}
+    first, last = min(lifts.values()) - closing, max(places.values()) + closing
+    ticks = np.arange(first, last + 1)
+    path = np.tile(robot.clip(robot.home), (len(ticks), 1))
+    phases: list[Phase] = []
+    for (role, hand), hold in holds.items():
+        joints = np.flatnonzero(robot.frame_joints(robot.arms[hand].tcp_frame))
+        path[:, joints] = hold[np.clip(ticks - lifts[role], 0, len(hold) - 1)][:, joints]
+        time = STEP * np.array([lifts[role] - closing, lifts[role], places[role], places[role] + closing])
+        names = ("grasp", "manipulate", "place")
+        phases += [Phase(hand, name, float(time[i]), float(time[i + 1]), role) for i, name in enumerate(names)]
+    return Timeline(first, STEP * ticks.astype(np.float64), path, tuple(phases))
+
+
+def _on_clock(path: ObjectPath, timeline: Timeline) -> ObjectPath:
+    """An object's path on the clock of the motion."""
+    if np.allclose(np.diff(timeline.model_time), STEP):
+        pose = poses_at(path, timeline.model_time)
+    else:
+        time = timeline.model_time.clip(path.time[0], path.time[-1])
+        position = make_interp_spline(path.time, path.pose.translation, k=3)(time)
+        pose = RigidTransform.from_components(position, Slerp(path.time, path.pose.rotation)(time))
+    return ObjectPath(path.role, timeline.clock, pose)

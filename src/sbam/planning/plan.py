@@ -20,7 +20,7 @@ from sbam.planning.execution import execute, phase_times
 from sbam.planning.free_flight import solve_free_flight
 from sbam.planning.grasp_selection import FollowedGrasp, choose_grasps
 from sbam.planning.grasps import Grasp
-from sbam.planning.motion import Motion, Phase, make_motion
+from sbam.planning.motion import Motion, make_motion
 from sbam.planning.object_path import shapes_of
 from sbam.planning.reachability import unreached
 from sbam.planning.settings import PlanSettings
@@ -29,6 +29,7 @@ from sbam.planning.solvers.sequential import solve_sequentially
 from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
 from sbam.planning.start import start_from
 from sbam.planning.task import Task, bind
+from sbam.planning.timeline import Phase
 from sbam.planning.timing import time_path
 from sbam.planning.touching import collision_model
 from sbam.planning.trajectory import JointTrajectory
@@ -232,9 +233,9 @@ def _verified(
     """Time a motion and check it."""
     grasps, motion = attempt.grasps, attempt.motion
     clock.enter("timing")
-    trajectory, model_time = time_path(robot, motion.clock, motion.configurations, settings.speed, settings.sample_rate)
+    trajectory, path_time = time_path(robot, motion.clock, motion.configurations, settings.speed, settings.sample_rate)
     clock.enter("checks")
-    execution = execute(task, robot, collision, grasps, motion, trajectory, model_time, settings.clearance)
+    execution = execute(task, robot, collision, grasps, motion, trajectory, path_time, settings.clearance)
     checks = (*check_receivers(robot, trajectory, robot.clip(robot.home), settings.speed), *execution.checks)
     return Plan(
         task=task,
@@ -244,8 +245,8 @@ def _verified(
         solution=attempt.solution,
         free_flight=free,
         trajectory=trajectory,
-        clock=model_time,
-        phases=phase_times(motion, trajectory, model_time),
+        clock=np.interp(path_time, motion.clock, motion.model_time),
+        phases=phase_times(motion, trajectory, path_time),
         T_agent_object=execution.T_agent_object,
         checks=checks,
         problems=(*attempt.missed, *failed(checks)),

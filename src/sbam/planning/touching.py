@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from sbam.demonstrations.demonstration import Hand
 from sbam.planning.approach import LINE_TIME
-from sbam.planning.motion import Phase
 from sbam.planning.task import Task
+from sbam.planning.timeline import Phase
 from sbam.robots import Robot
 from sbam.robots.collision import CollisionModel
 

@@ -1,0 +1,124 @@
+"""Every hand's way to its grasp and back home, past what stands there and past the others on their ways."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform
+
+from sbam.demonstrations.demonstration import Hand
+from sbam.planning.approach import Meets, Surroundings, Way, way_to_grasp
+from sbam.planning.grasps import Grasp
+from sbam.planning.object_path import ObjectPath
+from sbam.planning.task import MovedObject, Task
+from sbam.planning.timeline import STEP, Phase, Timeline
+from sbam.planning.touching import touching_hands
+from sbam.robots import Robot
+from sbam.robots.collision import CollisionModel
+
+Array = NDArray[np.float64]
+
+
+def with_ways(
+    task: Task,
+    robot: Robot,
+    collision: CollisionModel,
+    grasps: Mapping[tuple[str, Hand], Grasp],
+    paths: Mapping[str, ObjectPath],
+    holds: Mapping[tuple[str, Hand], Array],
+    timeline: Timeline,
+) -> Timeline:
+    """Bring every hand to its grasp, the first to grasp first, and back home, the last to release first.
+
+    Each keeps clear of the others as they are known by then: those whose way is not planned yet are at home.
+
+    Args:
+        task: model bound to a scene.
+        robot: robot standing in the agent frame.
+        collision: shapes of the robot and the scene's objects.
+        grasps: (role, hand) -> grasp.
+        paths: role -> path of its object at every tick from before the lift to after the place.
+        holds: (role, hand) -> (M, n) from lift to place.
+        timeline: every hand from grasp to release.
+
+    Raises:
+        UnreachableError: if a grasp cannot be approached in a straight line.
+    """
+    keys: list[tuple[MovedObject, Hand]] = [(moved, hand) for moved in task.moved for hand in moved.hands]
+    grasped = {(moved.role, hand): timeline.phase(hand, moved.role, "grasp").start for moved, hand in keys}
+    released = {(moved.role, hand): timeline.phase(hand, moved.role, "place").end for moved, hand in keys}
+    for moved, hand in sorted(keys, key=lambda key: grasped[key[0].role, key[1]]):
+        meets = _meeting(task, robot, paths, timeline, moved, hand, arriving=True)
+        way = way_to_grasp(robot, collision, grasps[moved.role, hand], holds[moved.role, hand][0], meets)
+        timeline = _passed(robot, timeline, moved.role, hand, way, arriving=True)
+    for moved, hand in sorted(keys, key=lambda key: -released[key[0].role, key[1]]):
+        meets = _meeting(task, robot, paths, timeline, moved, hand, arriving=False)
+        way = way_to_grasp(robot, collision, grasps[moved.role, hand], holds[moved.role, hand][-1], meets)
+        timeline = _passed(robot, timeline, moved.role, hand, way, arriving=False)
+    return timeline
+
+
+def _at_object(timeline: Timeline, role: str, hand: Hand, arriving: bool) -> int:
+    """The sample at which a hand is at its grasp, or has let go."""
+    if arriving:
+        return timeline.index(timeline.phase(hand, role, "grasp").start)
+    return timeline.index(timeline.phase(hand, role, "place").end)
+
+
+def _passed(robot: Robot, timeline: Timeline, role: str, hand: Hand, way: Way, arriving: bool) -> Timeline:
+    """The timeline with one arm's way, for which all else stands still as long as it needs that."""
+    if way.wait:
+        timeline = timeline.with_pause(_at_object(timeline, role, hand, arriving), way.wait, arriving, hand)
+    values = way.joined if arriving else way.joined[::-1]
+    at, length = _at_object(timeline, role, hand, arriving), len(values) - 1
+    begin = timeline.first + (at - length if arriving else at)
+    timeline = timeline.covering(begin - timeline.first, begin - timeline.first + length)
+    joints = np.flatnonzero(robot.frame_joints(robot.arms[hand].tcp_frame))
+    phase = Phase(hand, "approach" if arriving else "retreat", STEP * begin, STEP * (begin + length), role)
+    return timeline.with_way(begin - timeline.first, joints, values, phase)
+
+
+def _meeting(
+    task: Task,
+    robot: Robot,
+    paths: Mapping[str, ObjectPath],
+    timeline: Timeline,
+    moved: MovedObject,
+    hand: Hand,
+    arriving: bool,
+) -> Meets:
+    """What one hand meets on its way to or from an object."""
+    home = robot.clip(robot.home)
+    at_object = _at_object(timeline, moved.role, hand, arriving)
+    known = {(phase.role, phase.hand, phase.name) for phase in timeline.phases}
+
+    def meets(ticks: Array, on_line: NDArray[np.bool_]) -> Surroundings:
+        index = (at_object + (-ticks if arriving else ticks)).round().astype(int)
+        clock = STEP * (timeline.first + index)
+        rows = index.clip(0, len(timeline.model_time) - 1)
+        beyond = STEP * (index - rows)
+        configurations = timeline.configurations[rows].copy()
+        for other in task.moved:
+            for side in other.hands:
+                away = np.zeros(len(rows), dtype=bool)
+                if (other.role, side, "approach") not in known:
+                    away |= clock < timeline.phase(side, other.role, "grasp").start
+                if (other.role, side, "retreat") not in known:
+                    away |= clock > timeline.phase(side, other.role, "place").end
+                joints = robot.frame_joints(robot.arms[side].tcp_frame)
+                configurations = np.where(away[:, None] & joints, home, configurations)
+        poses = dict(task.T_agent_object)
+        for other in task.moved:
+            poses[other.name] = poses_at(paths[other.role], timeline.model_time[rows] + beyond)
+        held = {**touching_hands(task, timeline.phases, clock), (moved.name, hand): on_line}
+        return Surroundings(configurations, poses, held)
+
+    return meets
+
+
+def poses_at(path: ObjectPath, model_time: Array) -> RigidTransform:
+    """Poses at the ticks nearest to model times; beyond its ends an object rests."""
+    index = ((model_time - path.time[0]) / STEP).round().astype(int)
+    return path.pose[index.clip(0, len(path.time) - 1)]
