@@ -12,8 +12,17 @@ def test_differences_are_paired_over_folds(result):
     table = comparison_table(first + second)
     row = next(row for row in table.rows if row[0] == "all pairs, by events [mm]")
     assert row[1:] == ("cartesian", "b", 25.5, 28.5, 3.0, 2.0, 4.0, 2.0)
+    assert [row[0] for row in table.rows][4:] == ["processor time to plan [s]"]
     assert "'a'" in table.caption
     assert "synthetic" in table.caption
+
+
+def test_every_measure_of_the_execution_is_compared(result):
+    first = [result("x", (1.0,), height=2.0, **{"speed (person)": 1.0})]
+    second = [result("x", (1.0,), "b", height=5.0, **{"speed (person)": 1.0})]
+    rows = {row[0]: row for row in comparison_table(first + second).rows}
+    assert rows["height"][3:6] == (2.0, 5.0, 3.0)
+    assert "speed (person)" not in rows
 
 
 def test_every_pair_is_compared_by_itself(result):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.evaluation.fold import FoldResult
-from sbam.evaluation.metrics import PairDistances
+from sbam.evaluation.metrics import PERSON, PairDistances
 from sbam.evaluation.table import Cell, Table
 
 Array = NDArray[np.float64]
@@ -42,14 +42,17 @@ def all_pairs(measure: str) -> Callable[[FoldResult], float]:
 
 
 def comparison_table(results: Sequence[FoldResult], seed: int = 0) -> Table:
-    """Conditions against the first one in everything that tells them apart, over all pairs together.
+    """Conditions against the first one in every measure, over all pairs together.
 
     Args:
         results: of two or more conditions on the same folds.
         seed: of the bootstrap.
     """
     measures: dict[str, Measure] = {f"all pairs, {name} [mm]": all_pairs(name) for name in PAIR_MEASURES}
-    measures |= {name: lambda result, name=name: result.values.get(name) for name in _COMPARED}
+    for name in dict.fromkeys(name for result in results for name in result.values if not name.endswith(PERSON)):
+        measures[name] = lambda result, name=name: result.values.get(name)
+    for stage in dict.fromkeys(stage for result in results for stage in result.seconds):
+        measures[f"processor time to {stage} [s]"] = lambda result, stage=stage: result.seconds.get(stage)
     rows: list[tuple[Cell, ...]] = []
     for constraint in _types(results):
         for other in conditions(results)[1:]:
@@ -161,24 +164,6 @@ def data_of(results: Sequence[FoldResult]) -> str:
 
 
 _DIFFERENCE = ("first", "condition's", "difference", "from", "to", "folds")
-
-_COMPARED = (
-    "mouth - rim while pouring [mm]",
-    "bottle's axis while pouring [deg]",
-    "pour_from: tilt error, rms [deg]",
-    "pour_from: orientation error [deg]",
-    "pour_into: orientation error [deg]",
-    "handle_left: orientation error [deg]",
-    "poured over the cup [share]",
-    "half-strokes",
-    "turning points off by [mm]",
-    "strokes' amplitude / person's",
-    "pour_from: log dimensionless jerk",
-    "pour_into: log dimensionless jerk",
-    "handle_left: log dimensionless jerk",
-    "arms off a natural posture [deg]",
-    "duration of the motion [s]",
-)
 
 
 def _caption(results: Sequence[FoldResult], seed: int) -> str:

@@ -25,6 +25,7 @@ SPREAD_FLOOR = 0.005  # m: spreads below it count as it, as in the weights of th
 DENSE_SAMPLES = 400
 POUR_TILT = np.deg2rad(30.0)  # rad: the person pours or is about to: beyond this tilt...
 POUR_NEAR = 0.080  # m: ...with the mouth this near to the rim
+PERSON = " (person)"  # ends the names of what is measured of the person, not of the execution
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ def measures(motion: ExecutedMotion, person: PersonMotion) -> dict[str, float]:
         path, own = motion.T_agent_object[moved.role].translation, person.T_agent_object[moved.role].translation
         values[f"{moved.role}: ends off by [mm]"] = float(1e3 * np.linalg.norm(path[-1] - own[-1]))
         values |= path_smoothness(f"{moved.role}: ", motion.clock, path)
-        values |= {f"{name} (person)": v for name, v in path_smoothness(f"{moved.role}: ", person.time, own).items()}
+        values |= {f"{name}{PERSON}": v for name, v in path_smoothness(f"{moved.role}: ", person.time, own).items()}
     values |= _pouring(motion, person) | _rolling(motion, person)
     if any(change.pair.is_own_start for change in task.model.changes):
         values |= measure_put_down(motion).values
@@ -163,7 +164,7 @@ def _rolling(motion: ExecutedMotion, person: PersonMotion) -> dict[str, float]:
     ours = motion.T_agent_object["handle_left"].translation
     values = dict(measure_rolling(motion).values)
     turns, own_turns = turning_points(ours), turning_points(theirs)
-    values["half-strokes (person)"] = float(max(len(own_turns) - 1, 0))
+    values[f"half-strokes{PERSON}"] = float(max(len(own_turns) - 1, 0))
     if len(turns) and len(own_turns):
         when = person.on_model_axis(own_clock[own_turns])
         nearest = np.abs(motion.clock[turns][:, None] - when).argmin(axis=0)
