@@ -123,18 +123,19 @@ def conditions(constraint: str, robot: str) -> list[Condition]:
 
 
 def row(
-    results: Sequence[FoldResult], base: Sequence[FoldResult], columns: Mapping[str, Column], compared: str
+    results: Sequence[FoldResult], base: Sequence[FoldResult], columns: Mapping[str, Column], compared: Sequence[str]
 ) -> list[str]:
-    """Means of the columns, and the difference of one of them from the base, paired over folds."""
+    """Means of the columns, and differences of some of them from the base, paired over folds."""
     done = [result for result in results if result.executed]
     texts = []
     for column in columns.values():
         found = [number for result in done if (number := column(result)) is not None]
         texts.append(f"{np.mean(found):.2f}" if found else "-")
     name, constraint = results[0].condition, results[0].constraint
-    change = paired_difference([*base, *results], constraint, name, columns[compared])
-    text = f"{change[2]:+.1f} ({change[3]:+.1f} to {change[4]:+.1f})" if change else "-"
-    return [name, *texts, text, f"{len(done)}/{len(results)}"]
+    for column in compared:
+        change = paired_difference([*base, *results], constraint, name, columns[column])
+        texts.append(f"{change[2]:+.2f} ({change[3]:+.2f} to {change[4]:+.2f})" if change else "-")
+    return [name, *texts, f"{len(done)}/{len(results)}"]
 
 
 def main() -> None:
@@ -144,7 +145,7 @@ def main() -> None:
     parser.add_argument("--robot", default=FLYING_HANDS)
     parser.add_argument("--conditions", nargs="+", metavar="NAME", help="only these; the first is compared with")
     parser.add_argument("--tests", metavar="TEXT", default="", help="only folds whose demonstration's name holds it")
-    parser.add_argument("--compared", choices=list(NEARNESS), default="events", help="column of the difference")
+    parser.add_argument("--compared", nargs="+", metavar="COLUMN", default=["events"], help="columns of differences")
     parser.add_argument("--seed", type=int, default=0, help="of the synthetic demonstrations")
     parser.add_argument("--jobs", type=int, default=-1)
     parser.add_argument("--cache", type=Path, default=default_cache(), help="folder of finished folds")
@@ -156,6 +157,9 @@ def main() -> None:
             parser.error(f"no fold with {arguments.tests!r}; there are {', '.join(fold.test.name for fold in every)}")
         arms = {} if arguments.robot == FLYING_HANDS else OF_ARMS
         columns = {**NEARNESS, **OF_TASK[task], **arms, **TIMES}
+        compared = [name for name in arguments.compared if name in columns]
+        if not compared:
+            parser.error(f"no column {' '.join(arguments.compared)!r}; there are {', '.join(columns)}")
         for constraint in arguments.constraints:
             chosen = {condition.name: condition for condition in conditions(constraint, arguments.robot)}
             unknown = [name for name in arguments.conditions or () if name not in chosen]
@@ -163,16 +167,16 @@ def main() -> None:
                 parser.error(f"unknown condition {unknown[0]!r}; there are {', '.join(chosen)}")
             print(
                 f"\n{task}, {constraint}, {len(folds)} folds of synthetic demonstrations (seed {arguments.seed}), "
-                f"{arguments.robot}; mm, degrees, rad, processor seconds; difference of {arguments.compared!r} from "
-                "the first with 95 % interval\n"
+                f"{arguments.robot}; mm, degrees, rad, processor seconds; differences from the first condition, "
+                "paired over folds, with the 95 % interval\n"
             )
-            head = ("condition", *columns, "difference", "executed")
+            head = ("condition", *columns, *(f"{name}: difference" for name in compared), "executed")
             print(f"| {' | '.join(head)} |\n|{' --- |' * len(head)}")
             base: list[FoldResult] = []
             for name in track(arguments.conditions or list(chosen), f"{task} {constraint}", transient=True):
                 results = evaluate_folds([chosen[name]], folds, jobs=arguments.jobs, cache=arguments.cache)
                 base = base or results
-                print(f"| {' | '.join(row(results, base, columns, arguments.compared))} |", flush=True)
+                print(f"| {' | '.join(row(results, base, columns, compared))} |", flush=True)
 
 
 if __name__ == "__main__":

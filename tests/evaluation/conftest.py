@@ -29,7 +29,7 @@ def result() -> Callable[..., FoldResult]:
             objects=("apple_juice", "cup_large"),
             keypoints=len(next(iter(by_pair.values()))),
             pairs=tuple(
-                PairDistances(pair, tuple(2.0 * one for one in found), found, (0.0,) * len(found), 5.0)
+                PairDistances(pair, tuple(2.0 * one for one in found), found, (0.0,) * len(found), 5.0, 6.0)
                 for pair, found in by_pair.items()
             ),
             values=values,

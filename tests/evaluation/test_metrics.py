@@ -64,6 +64,8 @@ def test_the_person_s_own_motion_is_at_no_distance(copied):
     for pair in pair_distances(motion, person, [person]):
         assert np.asarray(pair.events) == pytest.approx(0.0, abs=1e-6)
         assert pair.spread == (0.0,) * len(motion.task.model.keypoint_times)
+        # All that is left in the same second is the tempo.
+        assert np.mean(pair.seconds) == pytest.approx(pair.tempo, abs=1e-6)
         # The dense motion is compared at the nearest later sample.
         assert pair.dense < 10.0
     values = measures(motion, person)
@@ -106,7 +108,7 @@ def test_a_late_person_is_seen_by_the_second_but_not_by_events(copied):
 
 
 def test_relevance_weighs_agreement():
-    pair = PairDistances("a -> b", (0.0, 0.0), (10.0, 100.0), (0.0, 1000.0), 0.0)
+    pair = PairDistances("a -> b", (0.0, 0.0), (10.0, 100.0), (0.0, 1000.0), 0.0, 0.0)
     weights = np.array([1 / 25.0, 1 / (1000.0**2 + 25.0)])
     assert np.asarray(pair.relevant) == pytest.approx(weights @ [10.0, 100.0] / weights.sum())
     assert np.asarray(pair.relevant) == pytest.approx(10.0, abs=0.01)

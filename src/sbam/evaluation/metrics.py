@@ -38,6 +38,8 @@ class PairDistances:
         events: (K) mm with time aligned by events.
         spread: (K) mm: standard deviation of the vector over the training demonstrations, aligned by events.
         dense: mean over the whole motion, not only the keypoints, aligned by events, mm.
+        tempo: mean distance of the person from themself, the same second against the same event, mm: what another tempo
+            alone makes of ``seconds``.
     """
 
     pair: str
@@ -45,6 +47,7 @@ class PairDistances:
     events: tuple[float, ...]
     spread: tuple[float, ...]
     dense: float
+    tempo: float
 
     @property
     def relevant(self) -> float:
@@ -81,14 +84,16 @@ def pair_distances(
     result = []
     for pair in paper_pairs(task):
         executed = _vector(task, motion.keypoint_poses, pair, len(keypoints))
+        by_second, by_event = (_demonstrated(person, poses, pair) for poses in (same_second, same_event))
         dense = _vector(task, dense_poses, pair, len(clock)) - _demonstrated(person, same_event_dense, pair)
         result.append(
             PairDistances(
                 pair=str(pair),
-                seconds=_millimetres(executed - _demonstrated(person, same_second, pair)),
-                events=_millimetres(executed - _demonstrated(person, same_event, pair)),
+                seconds=_millimetres(executed - by_second),
+                events=_millimetres(executed - by_event),
                 spread=_spread([_demonstrated(one, poses, pair) for one, poses in zip(training, others, strict=True)]),
                 dense=float(np.mean(_millimetres(dense))),
+                tempo=float(np.mean(_millimetres(by_second - by_event))),
             )
         )
     return tuple(result)

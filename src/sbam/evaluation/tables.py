@@ -64,8 +64,9 @@ def similarity_table(results: Sequence[FoldResult]) -> Table:
         if mine:
             mean = float(np.mean(paper)) if paper else None
             rows.append((ALL_PAIRS, constraint, mean, None, None, *_statistics(mine)))
-    columns = ("pair", "type", "paper avg", "std", "min", "ours avg", "std", "min", "events avg", "std", "rel.")
-    return Table(f"similarity {results[0].condition}", _similarity_caption(results), (*columns, "dense"), tuple(rows))
+    columns = ("pair", "type", "paper avg", "std", "min", "ours avg", "std", "min", "tempo", "events avg")
+    columns = (*columns, "std", "rel.", "dense")
+    return Table(f"similarity {results[0].condition}", _similarity_caption(results), columns, tuple(rows))
 
 
 def measures_table(results: Sequence[FoldResult]) -> Table:
@@ -91,11 +92,11 @@ def measures_table(results: Sequence[FoldResult]) -> Table:
 
 
 def _statistics(pairs: Sequence) -> tuple[float, ...]:
-    """Average, std, min of the paper's measure; average, std by events; mean by relevance; dense mean."""
+    """Average, std, min of the paper's measure; tempo; average, std by events; mean by relevance; dense mean."""
     seconds = np.concatenate([pair.seconds for pair in pairs])
     events = np.concatenate([pair.events for pair in pairs])
-    relevant, dense = np.mean([pair.relevant for pair in pairs]), np.mean([pair.dense for pair in pairs])
-    numbers = (seconds.mean(), seconds.std(), seconds.min(), events.mean(), events.std(), relevant, dense)
+    tempo, relevant, dense = np.mean([(pair.tempo, pair.relevant, pair.dense) for pair in pairs], axis=0)
+    numbers = (seconds.mean(), seconds.std(), seconds.min(), tempo, events.mean(), events.std(), relevant, dense)
     return tuple(map(float, numbers))
 
 
@@ -103,8 +104,9 @@ def _similarity_caption(results: Sequence[FoldResult]) -> str:
     return (
         f"Distance between demonstrated and executed vectors of region pairs over all keypoints of all folds, mm; "
         f"{results[0].condition}. 'paper': its own numbers, on {PAPER_DATA}. 'ours': {data_of(results)}, the person "
-        "looked at in the same second; 'events': with time aligned by events; 'rel.': that, weighted by how much "
-        "the demonstrations agree; 'dense': the whole motion by events."
+        "looked at in the same second; 'tempo': what the person's own tempo alone makes of that; 'events': with time "
+        "aligned by events; 'rel.': that, weighted by how much the demonstrations agree; 'dense': the whole motion by "
+        "events."
     )
 
 
