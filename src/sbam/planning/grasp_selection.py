@@ -348,9 +348,10 @@ def _clearances(
     by_hand: dict[tuple[str, Hand], NDArray[np.bool_]] = {
         (moved.name, hand): held[moved.role][every] for moved in task.moved for hand in moved.hands
     }
-    report = collision.clearances(configurations.reshape(-1, joints), objects, by_hand, distance_max=COMFORTABLE)
-    distance = np.min([report.distance_by_class[kind] for kind in kinds], axis=0)
-    return distance.reshape(grasps, checkpoints).min(axis=1)
+    report = collision.clearances(
+        configurations.reshape(-1, joints), objects, by_hand, distance_max=COMFORTABLE, motions=grasps
+    )
+    return np.min([report.distance_by_class[kind] for kind in kinds], axis=0)
 
 
 def _penalty(clearance: float) -> float:
