@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 RANDOM_NEAR_HOME = 3  # starts home + N(0, 0.5)
 RANDOM_STARTS = 4  # starts anywhere within the limits
-ENOUGH = 100  # grasps that work; random starts are not spent on the others then
+ENOUGH = 60  # grasps that work; random starts are not spent on the others then
 LIMIT_MARGIN = 0.05  # rad: postures nearer to a limit rank lower
 FOLLOW = 48  # grasps that are followed through the action at once, the most promising first
 EXAMINE = 48  # best grasps of each hand whose clearance is measured
@@ -137,18 +137,20 @@ def _outwards(
     path = np.empty((count, checkpoints, first.shape[-1]))
     path[:, hardest] = first
     failed_at = np.full(count, -1)
-    for order in (range(hardest + 1, checkpoints), range(hardest - 1, -1, -1)):
-        for m in order:
-            alive = np.flatnonzero(failed_at < 0)
-            if len(alive) == 0:
-                break
-            before = path[alive, m - order.step]
-            step = solve_poses(
-                robot, [hand], position[alive, m, None], rotation[alive, m, None], before, pull=(3e-2, 1e-3)
-            )
-            path[alive, m] = step.configurations
-            jump = np.abs(step.configurations - before)[:, joints].max(axis=1)
-            failed_at[alive[~(step.reached() & (jump < 1.5))]] = m
+    for step in range(1, checkpoints):
+        ends = [m for m in (hardest - step, hardest + step) if 0 <= m < checkpoints]
+        alive = np.flatnonzero(failed_at < 0)
+        if not ends or len(alive) == 0:
+            break
+        grasp, m = np.tile(alive, len(ends)), np.repeat(ends, len(alive))
+        before = path[grasp, m - np.sign(m - hardest)]
+        solution = solve_poses(
+            robot, [hand], position[grasp, m, None], rotation[grasp, m, None], before, pull=(3e-2, 1e-3)
+        )
+        path[grasp, m] = solution.configurations
+        jump = np.abs(solution.configurations - before)[:, joints].max(axis=1)
+        broken = ~(solution.reached() & (jump < 1.5))
+        failed_at[grasp[broken]] = m[broken]
     return path, failed_at
 
 
