@@ -42,7 +42,9 @@ SCHEDULE = (
     Stage(Smoothing(1e-2, 2e-3, 3e-6), 1e-3),
     Stage(Smoothing(3e-4, 2e-4, 1e-9), 5e-5),
 )
-WARM = SCHEDULE[1:]  # from a motion that is nearly right
+# From a motion that is nearly right. Closed loops of two arms bend more than a step sees: with all of the norms'
+# curvature at once it may stop far from the optimum.
+WARM = (replace(SCHEDULE[1], curvature=0.5), *SCHEDULE[2:])
 # From a posture that is no motion yet: the keypoints first find their way together, as if joined by springs.
 COLD = (Stage(Smoothing(3.0, 0.3, 1e-2), 1e-2, 0.0, 3.0), *SCHEDULE)
 MAX_STEP = 0.5  # rad (or m) per iteration and joint
