@@ -76,6 +76,31 @@ def test_the_slope_is_that_of_a_regression():
     np.testing.assert_allclose(noisy.slope(TIMES), expected.clip(0.0, 1.0), atol=1e-9)
 
 
+def test_all_strokes_follow_the_start_alike():
+    """Their slope differs from moment to moment by chance alone, as far as few demonstrations tell."""
+    generator = np.random.default_rng(2)
+    starts = generator.normal(0.0, 0.05, (9, 3)) * (1.0, 1.0, 0.0)
+    noise = generator.normal(0.0, 0.02, (9, len(TIMES), 3)) * (1.0, 1.0, 0.0)
+    by_moment = placement(starts, np.full(len(TIMES), 0.4), starts[0], noise)
+    rolled = replace(by_moment, strokes=(TIMES[3], TIMES[7]))
+    assert np.ptp(by_moment.slope(TIMES)[3:8]) > 0.05
+    assert np.ptp(rolled.slope(TIMES)[3:8]) == 0.0
+    assert rolled.slope(TIMES)[5] == pytest.approx(
+        by_moment.slope(np.linspace(TIMES[3], TIMES[7], 1001)).mean(), abs=1e-3
+    )
+    np.testing.assert_array_equal(
+        np.delete(rolled.slope(TIMES), range(3, 8)), np.delete(by_moment.slope(TIMES), range(3, 8))
+    )
+
+
+def test_strokes_are_those_of_the_model(rolling, pouring):
+    reversals = [anchor.time for anchor in rolling.model.anchors if anchor.kind == "reversal"]
+    found = placement_of(rolling, RegionReference("handle_left", "handle left"))
+    assert found is not None and found.strokes == (reversals[0], reversals[-1])
+    poured = placement_of(pouring, RegionReference("pour_from", "pour from"))
+    assert poured is not None and poured.strokes is None
+
+
 def test_a_start_beyond_the_demonstrated_ones_is_followed():
     starts = np.random.default_rng(1).normal(0.0, 0.01, (9, 3)) * (1.0, 1.0, 0.0)
     far = starts.mean(axis=0) + np.array([0.5, 0.0, 0.0])

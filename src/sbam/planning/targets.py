@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sbam.constraints import RegionReference
 from sbam.learning.generalization import GeneralizedChange
+from sbam.learning.strokes import LEAST_STROKES
 from sbam.planning.settings import PlanSettings
 from sbam.planning.task import Task
 
@@ -18,6 +19,7 @@ Array = NDArray[np.float64]
 
 START_SPREADS = 2.0
 """A start this many standard deviations from the mean demonstrated one is still as in the demonstrations."""
+STROKE_SAMPLES = 200  # of the slope, from the first turning point to the last
 IN_PLANE = np.array([1.0, 1.0, 0.0])
 
 
@@ -81,20 +83,33 @@ class Placement:
     the own-start pair. Starts beyond what was demonstrated say nothing about the slope; what exceeds their spread is
     followed fully: there the object is moved as it was, but elsewhere.
 
+    Strokes repeat one motion at one place: from the first turning point to the last one slope holds, the mean. That
+    of each moment is as uncertain as demonstrations are few, and would shift one stroke against the next.
+
     Attributes:
         supports: the pairs region - support of the object.
         own_starts: the same regions against their own starts.
         start_std: standard deviation of the region's start in the plane, m.
         offset: (3,) of the region's start from the mean demonstrated one, in the plane, agent frame, m.
+        strokes: times of the first and the last turning point of an object that goes to and fro, s; else None.
     """
 
     supports: tuple[GeneralizedChange, ...]
     own_starts: tuple[GeneralizedChange, ...]
     start_std: float
     offset: Array
+    strokes: tuple[float, float] | None = None
 
     def slope(self, times: Array) -> Array:
         """(K,) how far the object follows its start: 0 not at all, 1 all the way; 1 if all started alike."""
+        slope = self._momentary_slope(times)
+        if self.strokes:
+            first, last = self.strokes
+            during = (times >= first) & (times <= last)
+            slope[during] = self._momentary_slope(np.linspace(first, last, STROKE_SAMPLES)).mean()
+        return slope
+
+    def _momentary_slope(self, times: Array) -> Array:
         at_start = _variance(self.supports, np.zeros(1))[0]
         if at_start < 1e-6:
             return np.ones(len(times))
@@ -123,10 +138,12 @@ def placement_of(task: Task, region: RegionReference) -> Placement | None:
     if not supports:
         return None
     known = region if region in supports else next(iter(supports))
+    turns = [a.time for a in task.model.anchors if a.kind == "reversal" and a.role == region.role]
     mean, std = supports[known].at(np.zeros(1))
     return Placement(
         supports=tuple(supports.values()),
         own_starts=tuple(own_starts[one] for one in supports),
         start_std=float(np.linalg.norm(std[0, :2])),
         offset=(task.region_at_start(known) - mean[0]) * IN_PLANE,
+        strokes=(turns[0], turns[-1]) if len(turns) >= LEAST_STROKES else None,
     )
