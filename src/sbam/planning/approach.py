@@ -29,8 +29,9 @@ SAME_POSTURE = 5e-3  # rad: a line that ends farther from the grasp's posture th
 LINE_TIME = 0.8  # s of the straight part
 TRANSFER_SPEED = 1.0  # rad/s: mean speed of the fastest joint between home and the standoff
 COMFORTABLE = 0.02  # m of clearance with which the search for a transfer ends
-SAMPLES = 25  # configurations of a transfer whose clearance is measured
-LINE_SAMPLES = 4  # of the straight part
+FINE = np.linspace(0.0, 1.0, 200)
+SAMPLES = 25  # configurations of a transfer whose clearance is measured, twice
+LINE_SAMPLES = 8  # of the straight part
 ENOUGH = 0.005  # m: with less clearance it is tried whether it helps if all else waits
 PAYS = 0.001  # m of clearance for which waiting pays
 SHARES = (0.25, 0.5, 0.75)  # of the way for which all else waits, before it waits for the whole of it
@@ -48,11 +49,13 @@ class Way:
         transfer: (T, n) from home to the standoff.
         line: (L, n) from the standoff straight to the grasp.
         wait: for how many ticks before the grasp all else has to stand still.
+        clearance: least distance that was found on it, m; up to twice `COMFORTABLE`.
     """
 
     transfer: Array
     line: Array
-    wait: int = 0
+    wait: int
+    clearance: float
 
     @property
     def joined(self) -> Array:
@@ -106,14 +109,14 @@ def way_to_grasp(robot: Robot, collision: CollisionModel, grasp: Grasp, at_grasp
     hopeless = most < min(ENOUGH, most_waiting - PAYS)
     best, clear = (straight, most) if hopeless else passage.best(curves, most, 0.0)
     if clear >= min(ENOUGH, most_waiting - PAYS):
-        return Way(best.configurations(), line)
+        return Way(best.configurations(), line, 0, min(clear, most))
     patient, clear_waiting = passage.best(again, most_waiting, 1.0)
     if not hopeless and clear_waiting < clear + PAYS:
-        return Way(best.configurations(), line)
+        return Way(best.configurations(), line, 0, min(clear, most))
     ticks = patient.ticks + len(line) - 1
     good = min(clear_waiting, COMFORTABLE) - PAYS
     share = next((s for s in SHARES if passage.clearance([patient], s)[0] >= good), 1.0)
-    return Way(patient.configurations(), line, round(share * ticks))
+    return Way(patient.configurations(), line, round(share * ticks), min(clear_waiting, most_waiting))
 
 
 class _Curve:
@@ -162,16 +165,17 @@ class _Passage:
 
     def clearance(self, curves: Sequence[_Curve], share: float) -> Array:
         """(C,) least distances on the curves, m."""
-        shares = np.linspace(0.0, 1.0, SAMPLES)
-        grid = np.linspace(0.0, 1.0, 200)
-        moments = 1.0 - np.interp(shares, ease(grid), grid)
+        # Evenly along the way, for what stands there, and evenly in time, for what moves.
+        even = np.linspace(0.0, 1.0, SAMPLES)
+        moments = np.sort(np.concatenate([even[1:-1], np.interp(even, ease(FINE), FINE)]))
+        shares = ease(moments)
         totals = np.array([self._total(curve) for curve in curves])
         ticks = np.array([curve.ticks for curve in curves])
-        left = moments * ticks[:, None] + len(self._line) - 1
+        left = (1.0 - moments) * ticks[:, None] + len(self._line) - 1
         return self._measured(
             np.concatenate([curve.path(shares) for curve in curves]),
             left.ravel(),
-            np.repeat(share * totals, SAMPLES),
+            np.repeat(share * totals, len(shares)),
             motions=len(curves),
         )
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.errors import UnreachableError
-from sbam.planning.motion import Motion
+from sbam.planning.holding import Holding
+from sbam.planning.motion import Motion, while_holding
 from sbam.planning.problem import Problem
 from sbam.planning.settings import PlanSettings
 from sbam.planning.solvers.result import Solution, describe
@@ -38,12 +39,11 @@ def keep_clear(
     collision: CollisionModel,
     problem: Problem,
     solution: Solution,
-    motion: Motion,
-    move: Callable[[Solution], Motion],
-    times: Array,
+    holding: Holding,
+    hold: Callable[[Solution], Holding],
     settings: PlanSettings,
-) -> tuple[Solution, Motion]:
-    """Optimise the keypoints again, with what came too near as a further term, until the dense motion keeps clear.
+) -> tuple[Solution, Holding, float]:
+    """Optimise the keypoints again, with what came too near as a further term, until what holds objects keeps clear.
 
     Args:
         task: model bound to a scene.
@@ -51,21 +51,22 @@ def keep_clear(
         collision: shapes of the robot and the scene's objects.
         problem: the problem without clearances.
         solution: its solution.
-        motion: the dense motion made of it.
-        move: makes the dense motion of a solution; may raise `UnreachableError`.
-        times: (K,) keypoints on the model's time axis, s.
+        holding: the dense motion made of it, from lift to place.
+        hold: makes that of a solution; may raise `UnreachableError`.
         settings: says which distance is wanted.
 
     Returns:
-        Solution and motion with the largest least distance that was found; the first ones if they keep clear.
+        Solution and motion with the largest least distance that was found, and that, m; the first ones if they keep
+        clear.
     """
     wanted = settings.clearance + settings.margin
 
-    def near(solution: Solution, motion: Motion) -> tuple[Clearance, float]:
-        term = clearance_term(task, robot, collision, motion, times, solution.configurations, wanted)
+    def near(solution: Solution, holding: Holding) -> tuple[Clearance, float]:
+        motion = while_holding(task, robot, holding)
+        term = clearance_term(task, robot, collision, motion, holding.keypoint_times, solution.configurations, wanted)
         return term, float(term.distance.min(initial=np.inf))
 
-    term, least = near(solution, motion)
+    term, least = near(solution, holding)
     radius = RADIUS
     for _ in range(ROUNDS):
         if not TOO_DEEP <= least < settings.clearance:
@@ -77,13 +78,13 @@ def keep_clear(
         moved = describe(problem, state, "default", solution.starts, solution.iterations + used, seconds)
         radius /= 2.0
         try:
-            moved_motion = move(moved)
+            moved_holding = hold(moved)
         except UnreachableError:
             continue
-        moved_term, moved_least = near(moved, moved_motion)
+        moved_term, moved_least = near(moved, moved_holding)
         if moved_least > least:
-            solution, motion, term, least, radius = moved, moved_motion, moved_term, moved_least, 2.0 * radius
-    return solution, motion
+            solution, holding, term, least, radius = moved, moved_holding, moved_term, moved_least, 2.0 * radius
+    return solution, holding, least
 
 
 def clearance_term(

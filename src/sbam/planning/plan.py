@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,8 @@ from sbam.planning.execution import execute, phase_times
 from sbam.planning.free_flight import solve_free_flight
 from sbam.planning.grasp_selection import FollowedGrasp, choose_grasps
 from sbam.planning.grasps import Grasp
-from sbam.planning.motion import Motion, make_motion
+from sbam.planning.holding import Holding, hold_objects
+from sbam.planning.motion import Motion, with_approaches
 from sbam.planning.object_path import shapes_of
 from sbam.planning.reachability import unreached
 from sbam.planning.settings import PlanSettings
@@ -138,7 +140,7 @@ def plan(
     checkpoints = _checkpoints(task)
     at_checkpoints = {role: pose[checkpoints] for role, pose in poses.items()}
     best: Plan | None = None
-    missing: _Attempt | None = None
+    aside: _Attempt | None = None
     trouble: UnreachableError | TrajectoryError | None = None
     collision = collision_model(task, robot)
     weight = human_likeness_weight(robot, settings)
@@ -148,8 +150,9 @@ def plan(
     for chosen in _in_turn(combinations, ATTEMPTS if settings.solver != "paper" else 1):
         try:
             attempt = _attempt(task, robot, collision, settings, chosen, checkpoints, free, clock)
-            if attempt.missed:  # other grasps may miss nothing: not worth timing yet
-                missing = missing or attempt
+            if attempt.missed or attempt.clearance < settings.clearance:  # not worth timing if other grasps do better
+                if aside is None or (not attempt.missed, attempt.clearance) > (not aside.missed, aside.clearance):
+                    aside = attempt
                 continue
             candidate = _verified(attempt, task, robot, collision, settings, free, clock, notes)
         except (UnreachableError, TrajectoryError) as error:
@@ -159,8 +162,9 @@ def plan(
             best = candidate
         if best.ok:
             break
-    if best is None and missing is not None:
-        best = _verified(missing, task, robot, collision, settings, free, clock, notes)
+    if best is None and aside is not None:
+        with suppress(UnreachableError, TrajectoryError):
+            best = _verified(aside, task, robot, collision, settings, free, clock, notes)
     if best is None:
         raise trouble or UnreachableError(f"{robot.name} finds no grasps for the whole action")
     return best
@@ -168,12 +172,18 @@ def plan(
 
 @dataclass(frozen=True)
 class _Attempt:
-    """What one combination of grasps leads to, before it is timed; ``missed`` says which keypoints are out of reach."""
+    """What one combination of grasps leads to, before it is timed.
+
+    ``missed`` says which keypoints are out of reach, ``clearance`` how near the arms come to what they must not touch;
+    without the ways to and from the objects, and no ``motion``, if something is missed.
+    """
 
     grasps: Mapping[tuple[str, Hand], Grasp]
     solution: Solution
-    motion: Motion
+    holding: Holding
+    motion: Motion | None
     missed: tuple[str, ...]
+    clearance: float
 
 
 def _attempt(
@@ -207,17 +217,22 @@ def _attempt(
     between = settings.between or ("lines" if settings.solver == "paper" else "poses")
     shapes = shapes_of(task) if between == "primitive" else {}
 
-    def move(solution: Solution) -> Motion:
+    def hold(solution: Solution) -> Holding:
         poses = problem.state(solution.configurations).object_poses()
         joints = between if between in ("lines", "splines") else None
-        return make_motion(task, robot, collision, grasps, times, solution.configurations, poses, joints, shapes)
+        return hold_objects(task, robot, grasps, times, solution.configurations, poses, joints, shapes)
 
     clock.enter("motion")
-    motion = move(solution)
+    holding, clearance = hold(solution), np.inf
     if settings.solver != "paper" and settings.avoid_collisions:
         clock.enter("avoidance")
-        solution, motion = keep_clear(task, robot, collision, problem, solution, motion, move, times, settings)
-    return _Attempt(grasps, solution, motion, tuple(unreached(problem, solution, free, times)))
+        solution, holding, clearance = keep_clear(task, robot, collision, problem, solution, holding, hold, settings)
+    missed = tuple(unreached(problem, solution, free, times))
+    if missed:
+        return _Attempt(grasps, solution, holding, None, missed, clearance)
+    clock.enter("motion")
+    motion = with_approaches(task, robot, collision, holding)
+    return _Attempt(grasps, solution, holding, motion, (), min(clearance, motion.clearance))
 
 
 def _verified(
@@ -231,7 +246,8 @@ def _verified(
     notes: tuple[str, ...],
 ) -> Plan:
     """Time a motion and check it."""
-    grasps, motion = attempt.grasps, attempt.motion
+    clock.enter("motion")
+    grasps, motion = attempt.grasps, attempt.motion or with_approaches(task, robot, collision, attempt.holding)
     clock.enter("timing")
     trajectory, path_time = time_path(robot, motion.clock, motion.configurations, settings.speed, settings.sample_rate)
     clock.enter("checks")

@@ -10,7 +10,7 @@ from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.demonstration import Hand
 from sbam.planning.approach import Meets, Surroundings, Way, way_to_grasp
-from sbam.planning.grasps import Grasp
+from sbam.planning.holding import Holding
 from sbam.planning.object_path import ObjectPath
 from sbam.planning.task import MovedObject, Task
 from sbam.planning.timeline import STEP, Phase, Timeline
@@ -21,15 +21,7 @@ from sbam.robots.collision import CollisionModel
 Array = NDArray[np.float64]
 
 
-def with_ways(
-    task: Task,
-    robot: Robot,
-    collision: CollisionModel,
-    grasps: Mapping[tuple[str, Hand], Grasp],
-    paths: Mapping[str, ObjectPath],
-    holds: Mapping[tuple[str, Hand], Array],
-    timeline: Timeline,
-) -> Timeline:
+def with_ways(task: Task, robot: Robot, collision: CollisionModel, holding: Holding) -> tuple[Timeline, float]:
     """Bring every hand to its grasp, the first to grasp first, and back home, the last to release first.
 
     Each keeps clear of the others as they are known by then: those whose way is not planned yet are at home.
@@ -38,26 +30,28 @@ def with_ways(
         task: model bound to a scene.
         robot: robot standing in the agent frame.
         collision: shapes of the robot and the scene's objects.
-        grasps: (role, hand) -> grasp.
-        paths: role -> path of its object at every tick from before the lift to after the place.
-        holds: (role, hand) -> (M, n) from lift to place.
-        timeline: every hand from grasp to release.
+        holding: every hand from grasp to release.
+
+    Returns:
+        The whole motion, and the least distance that was found on the ways, m.
 
     Raises:
         UnreachableError: if a grasp cannot be approached in a straight line.
     """
+    timeline, least = holding.timeline, np.inf
     keys: list[tuple[MovedObject, Hand]] = [(moved, hand) for moved in task.moved for hand in moved.hands]
     grasped = {(moved.role, hand): timeline.phase(hand, moved.role, "grasp").start for moved, hand in keys}
     released = {(moved.role, hand): timeline.phase(hand, moved.role, "place").end for moved, hand in keys}
-    for moved, hand in sorted(keys, key=lambda key: grasped[key[0].role, key[1]]):
-        meets = _meeting(task, robot, paths, timeline, moved, hand, arriving=True)
-        way = way_to_grasp(robot, collision, grasps[moved.role, hand], holds[moved.role, hand][0], meets)
-        timeline = _passed(robot, timeline, moved.role, hand, way, arriving=True)
-    for moved, hand in sorted(keys, key=lambda key: -released[key[0].role, key[1]]):
-        meets = _meeting(task, robot, paths, timeline, moved, hand, arriving=False)
-        way = way_to_grasp(robot, collision, grasps[moved.role, hand], holds[moved.role, hand][-1], meets)
-        timeline = _passed(robot, timeline, moved.role, hand, way, arriving=False)
-    return timeline
+    first_to_grasp = sorted(keys, key=lambda key: grasped[key[0].role, key[1]])
+    last_to_release = sorted(keys, key=lambda key: -released[key[0].role, key[1]])
+    for arriving, order in ((True, first_to_grasp), (False, last_to_release)):
+        for moved, hand in order:
+            meets = _meeting(task, robot, holding.paths, timeline, moved, hand, arriving)
+            at_grasp = holding.configurations[moved.role, hand][0 if arriving else -1]
+            way = way_to_grasp(robot, collision, holding.grasps[moved.role, hand], at_grasp, meets)
+            timeline = _passed(robot, timeline, moved.role, hand, way, arriving)
+            least = min(least, way.clearance)
+    return timeline, least
 
 
 def _at_object(timeline: Timeline, role: str, hand: Hand, arriving: bool) -> int:
