@@ -14,10 +14,11 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 import numpy as np
 from rich.progress import track
 
+from sbam.demonstrations.synthetic import PERSONS, generate_rolling
 from sbam.evaluation.comparison import all_pairs, paired_difference
 from sbam.evaluation.cross_validation import evaluate_folds, leave_one_out
 from sbam.evaluation.evaluate import default_cache, recordings_for
-from sbam.evaluation.fold import FLYING_HANDS, Condition, FoldResult
+from sbam.evaluation.fold import FLYING_HANDS, Condition, Fold, FoldResult
 from sbam.learning.settings import LearningSettings
 from sbam.planning.settings import PlanSettings
 
@@ -70,6 +71,10 @@ PAPER_ON = {
 
 PAPER_PLANS = {"paper + pruned at 0.6": {"prune": 0.6}, "paper + pruned at 0.75": {"prune": 0.75}}
 
+UNEQUAL = "rolling_unequal"
+STROKES = (5, 6, 5, 4, 5, 6, 5, 5)
+"""How often the people of `UNEQUAL` roll."""
+
 Column = Callable[[FoldResult], float | None]
 
 
@@ -109,6 +114,17 @@ OF_ARMS: dict[str, Column] = {
 TIMES = {"learn": seconds("learn"), "plan": seconds("plan")}
 
 
+def folds_of(task: str, seed: int) -> tuple[Fold, ...]:
+    """The paper's folds; with unequal strokes each demonstration of five is left out, the others are always learned."""
+    if task != UNEQUAL:
+        return leave_one_out(recordings_for([task], seed))
+    people = [
+        generate_rolling(100 * seed + index, PERSONS[index % len(PERSONS)], strokes=count)
+        for index, count in enumerate(STROKES)
+    ]
+    return tuple(fold for fold, count in zip(leave_one_out(people), STROKES, strict=True) if count == 5)
+
+
 def conditions(constraint: str, robot: str) -> list[Condition]:
     arms = {} if robot == FLYING_HANDS else ARMS_OFF
     settings = [
@@ -140,7 +156,7 @@ def row(
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tasks", nargs="+", choices=list(OF_TASK), default=list(OF_TASK))
+    parser.add_argument("--tasks", nargs="+", choices=[*OF_TASK, UNEQUAL], default=list(OF_TASK))
     parser.add_argument("--constraints", nargs="+", default=["cartesian"])
     parser.add_argument("--robot", default=FLYING_HANDS)
     parser.add_argument("--conditions", nargs="+", metavar="NAME", help="only these; the first is compared with")
@@ -151,12 +167,12 @@ def main() -> None:
     parser.add_argument("--cache", type=Path, default=default_cache(), help="folder of finished folds")
     arguments = parser.parse_args()
     for task in arguments.tasks:
-        every = leave_one_out(recordings_for([task], arguments.seed))
+        every = folds_of(task, arguments.seed)
         folds = [fold for fold in every if arguments.tests in fold.test.name]
         if not folds:
             parser.error(f"no fold with {arguments.tests!r}; there are {', '.join(fold.test.name for fold in every)}")
         arms = {} if arguments.robot == FLYING_HANDS else OF_ARMS
-        columns = {**NEARNESS, **OF_TASK[task], **arms, **TIMES}
+        columns = {**NEARNESS, **OF_TASK["rolling" if task == UNEQUAL else task], **arms, **TIMES}
         compared = [name for name in arguments.compared if name in columns]
         if not compared:
             parser.error(f"no column {' '.join(arguments.compared)!r}; there are {', '.join(columns)}")
