@@ -161,6 +161,7 @@ def main() -> None:
     parser.add_argument("--robot", default=FLYING_HANDS)
     parser.add_argument("--conditions", nargs="+", metavar="NAME", help="only these; the first is compared with")
     parser.add_argument("--tests", metavar="TEXT", default="", help="only folds whose demonstration's name holds it")
+    parser.add_argument("--learn", type=int, metavar="N", help="from this many of a fold's demonstrations, the first")
     parser.add_argument("--compared", nargs="+", metavar="COLUMN", default=["events"], help="columns of differences")
     parser.add_argument("--seed", type=int, default=0, help="of the synthetic demonstrations")
     parser.add_argument("--jobs", type=int, default=-1)
@@ -171,6 +172,8 @@ def main() -> None:
         folds = [fold for fold in every if arguments.tests in fold.test.name]
         if not folds:
             parser.error(f"no fold with {arguments.tests!r}; there are {', '.join(fold.test.name for fold in every)}")
+        if arguments.learn:
+            folds = [replace(fold, training=fold.training[: arguments.learn]) for fold in folds]
         arms = {} if arguments.robot == FLYING_HANDS else OF_ARMS
         columns = {**NEARNESS, **OF_TASK["rolling" if task == UNEQUAL else task], **arms, **TIMES}
         compared = [name for name in arguments.compared if name in columns]
@@ -183,6 +186,7 @@ def main() -> None:
                 parser.error(f"unknown condition {unknown[0]!r}; there are {', '.join(chosen)}")
             print(
                 f"\n{task}, {constraint}, {len(folds)} folds of synthetic demonstrations (seed {arguments.seed}), "
+                f"{f'learned from {arguments.learn}, ' if arguments.learn else ''}"
                 f"{arguments.robot}; mm, degrees, rad, processor seconds; differences from the first condition, "
                 "paired over folds, with the 95 % interval\n"
             )
