@@ -20,6 +20,7 @@ from sbam.planning.touching import touching_hands
 from sbam.planning.trajectory import JointTrajectory
 from sbam.robots import Robot, point_jacobian
 from sbam.robots.collision import CollisionModel
+from sbam.robots.swept_clearance import swept_clearances
 
 Array = NDArray[np.float64]
 
@@ -27,7 +28,6 @@ CLOSURE_POSITION = 1e-3  # m: how far the second hand of a two-handed grasp may 
 CLOSURE_ROTATION = np.deg2rad(0.5)  # rad
 JUMP = 1e-3  # m: how far an object may jump when it is taken over by a hand or left standing
 TORQUE_SAMPLES = 50.0  # Hz
-CLEARANCE_SAMPLES = 50.0  # Hz
 GRAVITY = 9.81  # m/s^2
 
 
@@ -106,16 +106,20 @@ def check_clearances(
     clock: Array,
     clearance: float,
 ) -> list[Check]:
-    """Distances over the whole motion, by class of pairs; a hand may touch its object from the straight approach on."""
-    samples = np.append(np.arange(0, len(clock), _stride(trajectory, CLEARANCE_SAMPLES)), len(clock) - 1)
-    objects = dict(task.T_agent_object)
-    objects.update({moved.name: poses[moved.role][samples] for moved in task.moved})
-    held = touching_hands(task, motion.phases, clock[samples])
-    report = collision.clearances(trajectory.position[samples], objects, held, motions=1)
+    """Distances over all samples, by class of pairs; a hand may touch its object from the straight approach on.
+
+    Of a palm and what it holds the distance is known up to what the grasp slips, which `_check_hold` limits.
+    """
+    objects = {**task.T_agent_object, **{moved.name: poses[moved.role] for moved in task.moved}}
+    held = touching_hands(task, motion.phases, clock)
+    rigid: dict[tuple[str, Hand], NDArray[np.bool_]] = {
+        (moved.name, hand): _is_held(motion, moved.role, hand, clock) for moved in task.moved for hand in moved.hands
+    }
+    report = swept_clearances(collision, trajectory.position, objects, held, rigid)
     checks = []
     for kind, (distance,) in report.distance_by_class.items():
         (pair,), (when,) = report.pair_by_class[kind], report.sample_by_class[kind]
-        where = f"{' and '.join(pair)} at {trajectory.time[samples[when]]:.3f} s" if pair else ""
+        where = f"{' and '.join(pair)} at {trajectory.time[when]:.3f} s" if pair else ""
         wanted = 0.0 if kind == "palm-object" else clearance
         checks.append(Check(f"clearance {kind}", bool(distance >= wanted), float(distance), wanted, "m", where))
     return checks
@@ -131,8 +135,10 @@ def _largest(name: str, values: Array, limit: float, unit: str, time: Array) -> 
     return Check(name, bool(values[worst] <= limit), float(values[worst]), limit, unit, f"at {time[worst]:.3f} s")
 
 
-def _phase(motion: Motion, grasp: Grasp, name: str) -> Phase:
-    return next(p for p in motion.phases if p.role == grasp.role and p.hand == grasp.hand and p.name == name)
+def _is_held(motion: Motion, role: str, hand: Hand, clock: Array) -> NDArray[np.bool_]:
+    """(N,) when a hand holds its object fast: from the closing of its fingers to their opening."""
+    phases = {phase.name: phase for phase in motion.phases if phase.role == role and phase.hand == hand}
+    return (clock >= phases["grasp"].start) & (clock <= phases["place"].end)
 
 
 def _check_hold(
@@ -155,7 +161,7 @@ def _check_hold(
         trajectory: the timed trajectory.
         clock: (N,) model time of its samples, s.
     """
-    held = (clock >= _phase(motion, grasp, "grasp").start) & (clock <= _phase(motion, grasp, "place").end)
+    held = _is_held(motion, grasp.role, grasp.hand, clock)
     tcp, wanted = tcp[held], pose[held] @ grasp.T_object_tcp.as_matrix()
     slip = np.linalg.norm(tcp[:, :3, 3] - wanted[:, :3, 3], axis=1)
     turn = np.linalg.norm(rotation_error(tcp[:, :3, :3], wanted[:, :3, :3]), axis=1)

@@ -87,6 +87,12 @@ class CollisionModel:
     holding hand excepted); ``object-object`` (movable objects, when one of them is held); ``palm-object`` (the rest of
     the holding hand with what it holds: near by intention, but not inside it). Objects on their supports are not
     compared: they touch by intention. Pairs that the robot's model file excludes stay excluded.
+
+    Attributes:
+        robot: the robot.
+        shapes: its shapes and those of the objects.
+        pairs: (P, 2) shapes that are compared.
+        classes: (P,) index of each pair's class in `PAIR_CLASSES`.
     """
 
     def __init__(
@@ -101,7 +107,7 @@ class CollisionModel:
         """
         self.robot = robot
         self.shapes = CollisionShapes(robot, objects)
-        self._pairs, self._classes = collision_pairs(robot, self.shapes, objects, allowed)
+        self.pairs, self.classes = collision_pairs(robot, self.shapes, objects, allowed)
         self._hands = {side: (gripping_bodies(robot, side), hand_bodies(robot, side)) for side in robot.arms}
 
     def clearances(
@@ -134,10 +140,10 @@ class CollisionModel:
         least, closest, when = [distance_max] * (count * kinds), [-1] * (count * kinds), [-1] * (count * kinds)
         # nearest bound first: most of the others need no exact distance then
         order = np.lexsort((bound, cell))
-        measure = _Measure(self.shapes, position, rotation)
+        measure = Measure(self.shapes, position, rotation)
         for at, which, low, where in zip(*(a[order].tolist() for a in (sample, pair, bound, cell)), strict=True):
             if low < least[where]:
-                distance = measure(at, self._pairs[which], least[where])
+                distance = measure(at, self.pairs[which], least[where])
                 if distance < least[where]:
                     least[where], closest[where], when[where] = distance, which, at
         smallest, nearest, moment = (np.reshape(values, (count, kinds)) for values in (least, closest, when))
@@ -145,9 +151,9 @@ class CollisionModel:
         rows = np.arange(count)
         return ClearanceReport(
             distance=smallest[rows, overall],
-            pair=tuple(map(self._names, nearest[rows, overall])),
+            pair=tuple(map(self.names, nearest[rows, overall])),
             distance_by_class={name: smallest[:, index] for index, name in enumerate(PAIR_CLASSES)},
-            pair_by_class={name: tuple(map(self._names, nearest[:, i])) for i, name in enumerate(PAIR_CLASSES)},
+            pair_by_class={name: tuple(map(self.names, nearest[:, i])) for i, name in enumerate(PAIR_CLASSES)},
             sample_by_class={name: moment[:, index] for index, name in enumerate(PAIR_CLASSES)},
             distance_max=distance_max,
         )
@@ -162,16 +168,16 @@ class CollisionModel:
         """All pairs of shapes nearer than a margin, with their nearest points; arguments as in `clearances`."""
         position, rotation = self.shapes.poses(configurations, T_world_object)
         sample, pair, kind, _ = self._candidates(position, rotation, held, margin)
-        measure = _Measure(self.shapes, position, rotation)
+        measure = Measure(self.shapes, position, rotation)
         distance, points = np.empty(len(sample)), np.empty((len(sample), 6))
         for i in range(len(sample)):
-            distance[i] = measure(sample[i], self._pairs[pair[i]], margin)
+            distance[i] = measure(sample[i], self.pairs[pair[i]], margin)
             points[i] = measure.points
         keep = distance < margin
         sample, pair, kind, distance, points = sample[keep], pair[keep], kind[keep], distance[keep], points[keep]
         first, second = points[:, :3], points[:, 3:]
         scale = np.where(np.abs(distance) > 1e-9, distance, np.inf)
-        owners = self.shapes.owner[self._pairs[pair]].reshape(-1, 2)
+        owners = self.shapes.owner[self.pairs[pair]].reshape(-1, 2)
         return NearPairs(
             sample=sample,
             pair_class=kind,
@@ -187,13 +193,20 @@ class CollisionModel:
         self, position: Floats, rotation: Floats, held: Held | None, distance: float
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], Floats]:
         """Sample, pair, class and lower bound of the distance of what may be near and counts."""
-        sample, pair, bound = self.shapes.near(position, rotation, self._pairs, distance)
-        owners = self.shapes.owner[self._pairs[pair]].reshape(-1, 2)
+        sample, pair, bound = self.shapes.near(position, rotation, self.pairs, distance)
+        keep, kind = self.counting(sample, pair, held or {}, len(position))
+        return sample[keep], pair[keep], kind[keep], bound[keep]
+
+    def counting(
+        self, sample: NDArray[np.int64], pair: NDArray[np.int64], held: Held, count: int
+    ) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+        """Which of N pairs count at which of ``count`` samples, (N,), and their classes, (N,)."""
+        owners = self.shapes.owner[self.pairs[pair]].reshape(-1, 2)
         index = {name: i for i, name in enumerate(self.shapes.owners)}
-        is_held = np.zeros((len(position), len(index)), dtype=bool)
+        is_held = np.zeros((count, len(index)), dtype=bool)
         keep = np.ones(len(sample), dtype=bool)
-        kind = self._classes[pair]
-        for (name, side), mask in (held or {}).items():
+        kind = self.classes[pair]
+        for (name, side), mask in held.items():
             body = index[self.shapes.known_object(name)]
             mask = np.asarray(mask, dtype=bool)
             is_held[:, body] |= mask
@@ -205,16 +218,17 @@ class CollisionModel:
             kind[with_it & np.isin(owners, hand).any(axis=1)] = PAIR_CLASSES.index("palm-object")
         loose = ~(is_held[sample, owners[:, 0]] | is_held[sample, owners[:, 1]])
         keep &= ~(loose & (kind == PAIR_CLASSES.index("object-object")))
-        return sample[keep], pair[keep], kind[keep], bound[keep]
+        return keep, kind
 
-    def _names(self, pair: int) -> tuple[str, str] | None:
+    def names(self, pair: int) -> tuple[str, str] | None:
+        """Names of the owners of a pair of shapes, None for -1."""
         if pair < 0:
             return None
-        first, second = self.shapes.owner[self._pairs[pair]]
+        first, second = self.shapes.owner[self.pairs[pair]]
         return self.shapes.owners[first], self.shapes.owners[second]
 
 
-class _Measure:
+class Measure:
     """Exact distances by MuJoCo."""
 
     def __init__(self, shapes: CollisionShapes, position: Floats, rotation: Floats) -> None:
@@ -229,8 +243,10 @@ class _Measure:
         self.points = np.zeros(6)
 
     def __call__(self, sample: int, shapes: NDArray[np.int64], distance_max: float) -> float:
+        """Distance of two shapes at a sample, m, at most ``distance_max``; their nearest points are in ``points``."""
         first, second = self._geoms[shapes].tolist()
         for geom, shape in zip((first, second), shapes.tolist(), strict=True):
             self._geom_position[geom] = self._position[sample, shape]
             self._geom_rotation[geom] = self._rotation[sample, shape]
-        return self._distance(self._model, self._data, first, second, distance_max, self.points)
+        # Asked for nothing beyond a depth, MuJoCo overlooks greater ones.
+        return self._distance(self._model, self._data, first, second, max(distance_max, 0.0), self.points)

@@ -70,6 +70,12 @@ class CollisionShapes:
             raise UnknownNameError("object", name, self.objects, "the collision model")
         return name
 
+    def pose_of(self, name: str, T_world_object: Mapping[str, RigidTransform]) -> RigidTransform:
+        """The pose of an object; raises `UnknownNameError` if it is not given."""
+        if name not in T_world_object:
+            raise UnknownNameError("object", name, T_world_object, "the poses given for a collision check")
+        return T_world_object[name]
+
     def poses(self, configurations: ArrayLike, T_world_object: Mapping[str, RigidTransform]) -> tuple[Floats, Floats]:
         """Positions (B, G, 3) and rotation matrices (B, G, 3, 3) of all shapes in the world.
 
@@ -84,9 +90,7 @@ class CollisionShapes:
         fixed = len(self.robot_bodies)
         position[:, :fixed], rotation[:, :fixed] = kinematics.position, kinematics.rotation
         for index, name in enumerate(self.objects, start=fixed):
-            if name not in T_world_object:
-                raise UnknownNameError("object", name, T_world_object, "the poses given for a collision check")
-            pose = T_world_object[name].as_matrix()
+            pose = self.pose_of(name, T_world_object).as_matrix()
             position[:, index], rotation[:, index] = pose[..., :3, 3], pose[..., :3, :3]
         turn = rotation[:, self.owner]
         return position[:, self.owner] + (turn @ self._offset[..., None])[..., 0], turn @ self._turn
@@ -96,8 +100,7 @@ class CollisionShapes:
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
         """The pairs that may be nearer than a distance; never misses one.
 
-        First bounding spheres, then capsules around both shapes, then each shape's bounding box against the other's
-        capsule.
+        First bounding spheres, then `lower_bound`.
 
         Args:
             position: (B, G, 3) of the shapes.
@@ -106,31 +109,69 @@ class CollisionShapes:
             distance: m.
 
         Returns:
-            Sample (N,), pair (N,) and a lower bound of the distance (N,), m; -inf where they may penetrate, because
-            the depth has no such bound.
+            Sample (N,), pair (N,) and a lower bound of the distance (N,), m; -inf where they may meet, because the
+            depth has no such bound.
         """
+        sample, pair = np.nonzero(self.sphere_distance(position, pairs) < distance)
+        bound = self.lower_bound(position, rotation, sample, pairs[pair])
+        keep = bound < distance
+        return sample[keep], pair[keep], bound[keep]
+
+    def sphere_distance(self, position: Floats, pairs: NDArray[np.int64]) -> Floats:
+        """Distances (B, P) of the bounding spheres of pairs (P, 2) of shapes at positions (B, G, 3), m."""
         first, second = pairs.T
-        reach = self._radius[first] + self._radius[second] + distance
         centered = position - position.mean(axis=(0, 1)) if position.size else position
         product = centered @ centered.swapaxes(1, 2)
         square = np.einsum("bgg->bg", product)
-        apart = square[:, first] + square[:, second] - 2 * product[:, first, second]
-        sample, pair = np.nonzero(apart < reach**2 + ROUNDING)
+        apart = square[:, first] + square[:, second] - 2 * product[:, first, second] - ROUNDING
+        return np.sqrt(np.maximum(apart, 0.0)) - (self._radius[first] + self._radius[second])
+
+    def levers(self) -> Floats:
+        """How far a point of each shape moves at most for a unit of each joint, (G, n) m/rad or m/m."""
+        import mujoco
+
+        model = self.model
+        levers = np.zeros((len(self.geoms), model.njnt))
+        for shape, geom in enumerate(self.geoms):
+            reach = float(np.linalg.norm(model.geom_pos[geom]) + model.geom_rbound[geom])
+            body = int(model.geom_bodyid[geom])
+            while body:
+                for joint in range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body]):
+                    reach += float(np.linalg.norm(model.jnt_pos[joint]))
+                    if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:
+                        levers[shape, joint] = 1.0
+                        reach += float(np.abs(model.jnt_range[joint]).max())
+                    else:
+                        levers[shape, joint] = reach
+                reach += float(np.linalg.norm(model.body_pos[body]))
+                body = int(model.body_parentid[body])
+        return levers
+
+    def radius_about_origin(self, owner: int) -> float:
+        """Largest distance of a point of an owner's shapes from its frame's origin, m."""
+        own = self.owner == owner
+        return float((np.linalg.norm(self._offset[own], axis=1) + self._radius[own]).max(initial=0.0))
+
+    def lower_bound(
+        self, position: Floats, rotation: Floats, sample: NDArray[np.int64], shapes: NDArray[np.int64]
+    ) -> Floats:
+        """Lower bounds (N,) of the distances of pairs of shapes (N, 2) at samples (N,), m; -inf where they may meet.
+
+        The larger of the distances of the capsules around both, and of each shape's bounding box from the other's
+        capsule.
+        """
+        first, second = shapes.T
         center = position + np.matvec(rotation, self._box_center)
         spine = np.matvec(rotation, self._spine)
-        ends = first[pair], second[pair]
-        offset = center[sample, ends[0]] - center[sample, ends[1]]
-        spines = spine[sample, ends[0]], spine[sample, ends[1]]
-        bound = _segment_distance(offset, *spines) - self._thickness[ends[0]] - self._thickness[ends[1]]
-        near = bound < distance
-        sample, pair, bound, offset = sample[near], pair[near], bound[near], offset[near]
-        for one, other, towards in ((first[pair], second[pair], -offset), (second[pair], first[pair], offset)):
+        offset = center[sample, first] - center[sample, second]
+        bound = _segment_distance(offset, spine[sample, first], spine[sample, second])
+        bound -= self._thickness[first] + self._thickness[second]
+        for one, other, towards in ((first, second, -offset), (second, first, offset)):
             turn = rotation[sample, one]
             half = self._box_half[one] + np.abs(np.vecmat(spine[sample, other], turn))
             outside = np.maximum(np.abs(np.vecmat(towards, turn)) - half, 0.0)
             bound = np.maximum(bound, np.sqrt(np.vecdot(outside, outside)) - self._thickness[other])
-        keep = bound < distance
-        return sample[keep], pair[keep], np.where(bound > 0, bound, -np.inf)[keep]
+        return np.where(bound > 0.0, bound, -np.inf)
 
 
 def _segment_distance(offset: Floats, first: Floats, second: Floats) -> Floats:
