@@ -41,6 +41,7 @@ class Motion:
         objects: dense path of each moved object, on the clock.
         phases: what each hand does when.
         clearance: least distance that was found on the ways to and from the objects, m.
+        narrowest: (role, hand) whose way that is.
     """
 
     clock: Array
@@ -49,6 +50,7 @@ class Motion:
     objects: tuple[ObjectPath, ...]
     phases: tuple[Phase, ...]
     clearance: float
+    narrowest: tuple[str, Hand] | None
 
 
 def make_motion(
@@ -89,7 +91,7 @@ def with_approaches(task: Task, robot: Robot, collision: CollisionModel, holding
     Raises:
         UnreachableError: if a grasp cannot be approached in a straight line.
     """
-    timeline, clearance = with_ways(task, robot, collision, holding)
+    timeline, clearance, narrowest = with_ways(task, robot, collision, holding)
     times = holding.keypoint_times
     early = min(0, int(np.floor((times[0] - timeline.model_time[0]) / STEP)))
     late = max(0, int(np.ceil((times[-1] - timeline.model_time[-1]) / STEP)))
@@ -97,7 +99,7 @@ def with_approaches(task: Task, robot: Robot, collision: CollisionModel, holding
     path = timeline.configurations.copy()
     torso = _at(timeline.model_time, times, holding.torso)
     _move_torso(robot, timeline.clock, path, timeline.phases, robot.clip(robot.home), torso)
-    return _motion(task, holding, replace(timeline, configurations=path), clearance)
+    return _motion(task, holding, replace(timeline, configurations=path), clearance, narrowest)
 
 
 def while_holding(task: Task, robot: Robot, holding: Holding) -> Motion:
@@ -110,13 +112,15 @@ def while_holding(task: Task, robot: Robot, holding: Holding) -> Motion:
             away |= clock > timeline.phase(hand, moved.role, "place").end
             joints = robot.arms[hand].joint_indices
             path[np.ix_(away, joints)] = robot.clip(robot.home)[joints]
-    return _motion(task, holding, replace(timeline, configurations=path), np.inf)
+    return _motion(task, holding, replace(timeline, configurations=path), np.inf, None)
 
 
-def _motion(task: Task, holding: Holding, timeline: Timeline, clearance: float) -> Motion:
+def _motion(
+    task: Task, holding: Holding, timeline: Timeline, clearance: float, narrowest: tuple[str, Hand] | None
+) -> Motion:
     objects = tuple(_on_clock(holding.paths[moved.role], timeline) for moved in task.moved)
     phases = tuple(sorted(timeline.phases, key=lambda phase: (phase.hand, phase.start)))
-    return Motion(timeline.clock, timeline.model_time, timeline.configurations, objects, phases, clearance)
+    return Motion(timeline.clock, timeline.model_time, timeline.configurations, objects, phases, clearance, narrowest)
 
 
 def _at(model_time: Array, keypoint_times: Array, values: Array) -> Array:

@@ -140,19 +140,22 @@ def plan(
     checkpoints = _checkpoints(task)
     at_checkpoints = {role: pose[checkpoints] for role, pose in poses.items()}
     best: Plan | None = None
-    aside: _Attempt | None = None
+    aside: tuple[_Attempt, Combination] | None = None
     trouble: UnreachableError | TrajectoryError | None = None
     collision = collision_model(task, robot)
     weight = human_likeness_weight(robot, settings)
     times = task.model.keypoint_times[checkpoints]
     combinations = choose_grasps(task, robot, collision, at_checkpoints, times, settings.seed, weight)
+    blocked: set[int] = set()  # grasps whose approach or retreat was
     # The paper's solver takes a minute each time, and its faults do not come from the grasps.
-    for chosen in _in_turn(combinations, ATTEMPTS if settings.solver != "paper" else 1):
+    for chosen in _in_turn(combinations, ATTEMPTS if settings.solver != "paper" else 1, blocked):
         try:
             attempt = _attempt(task, robot, collision, settings, chosen, checkpoints, free, clock)
             if attempt.missed or attempt.clearance < settings.clearance:  # not worth timing if other grasps do better
-                if aside is None or (not attempt.missed, attempt.clearance) > (not aside.missed, aside.clearance):
-                    aside = attempt
+                if aside is None or (not attempt.missed, attempt.clearance) > (not aside[0].missed, aside[0].clearance):
+                    aside = attempt, chosen
+                if attempt.motion and attempt.motion.narrowest and attempt.motion.clearance < settings.clearance:
+                    blocked.add(id(chosen[attempt.motion.narrowest]))
                 continue
             candidate = _verified(attempt, task, robot, collision, settings, free, clock, notes)
         except (UnreachableError, TrajectoryError) as error:
@@ -164,7 +167,8 @@ def plan(
             break
     if best is None and aside is not None:
         with suppress(UnreachableError, TrajectoryError):
-            best = _verified(aside, task, robot, collision, settings, free, clock, notes)
+            attempt = _attempt(task, robot, collision, settings, aside[1], checkpoints, free, clock, anyway=True)
+            best = _verified(attempt, task, robot, collision, settings, free, clock, notes)
     if best is None:
         raise trouble or UnreachableError(f"{robot.name} finds no grasps for the whole action")
     return best
@@ -174,13 +178,12 @@ def plan(
 class _Attempt:
     """What one combination of grasps leads to, before it is timed.
 
-    ``missed`` says which keypoints are out of reach, ``clearance`` how near the arms come to what they must not touch;
-    without the ways to and from the objects, and no ``motion``, if something is missed.
+    ``missed`` says which keypoints are out of reach, ``clearance`` how near the arms come to what they must not touch.
+    There may be no ``motion`` where something is missed.
     """
 
     grasps: Mapping[tuple[str, Hand], Grasp]
     solution: Solution
-    holding: Holding
     motion: Motion | None
     missed: tuple[str, ...]
     clearance: float
@@ -195,8 +198,9 @@ def _attempt(
     checkpoints: NDArray[np.int_],
     free: Solution,
     clock: _Stopwatch,
+    anyway: bool = False,
 ) -> _Attempt:
-    """Carry one combination of grasps through to a dense motion."""
+    """Carry one combination of grasps through to a dense motion, ``anyway`` also where keypoints are out of reach."""
     times = task.model.keypoint_times
     grasps = {key: followed.grasp for key, followed in chosen.items()}
     clock.enter("keypoints")
@@ -222,17 +226,20 @@ def _attempt(
         joints = between if between in ("lines", "splines") else None
         return hold_objects(task, robot, grasps, times, solution.configurations, poses, joints, shapes)
 
+    missed = tuple(unreached(problem, solution, free, times))
+    if missed and not anyway:
+        return _Attempt(grasps, solution, None, missed, -np.inf)
     clock.enter("motion")
     holding, clearance = hold(solution), np.inf
     if settings.solver != "paper" and settings.avoid_collisions:
         clock.enter("avoidance")
         solution, holding, clearance = keep_clear(task, robot, collision, problem, solution, holding, hold, settings)
-    missed = tuple(unreached(problem, solution, free, times))
-    if missed:
-        return _Attempt(grasps, solution, holding, None, missed, clearance)
+        missed = tuple(unreached(problem, solution, free, times))
+        if missed and not anyway:
+            return _Attempt(grasps, solution, None, missed, -np.inf)
     clock.enter("motion")
     motion = with_approaches(task, robot, collision, holding)
-    return _Attempt(grasps, solution, holding, motion, (), min(clearance, motion.clearance))
+    return _Attempt(grasps, solution, motion, missed, min(clearance, motion.clearance))
 
 
 def _verified(
@@ -246,8 +253,8 @@ def _verified(
     notes: tuple[str, ...],
 ) -> Plan:
     """Time a motion and check it."""
-    clock.enter("motion")
-    grasps, motion = attempt.grasps, attempt.motion or with_approaches(task, robot, collision, attempt.holding)
+    grasps, motion = attempt.grasps, attempt.motion
+    assert motion is not None
     clock.enter("timing")
     trajectory, path_time = time_path(robot, motion.clock, motion.configurations, settings.speed, settings.sample_rate)
     clock.enter("checks")
@@ -274,14 +281,18 @@ def _verified(
 Combination = Mapping[tuple[str, Hand], FollowedGrasp]
 
 
-def _in_turn(combinations: Sequence[Combination], most: int) -> Iterator[Combination]:
-    """The best combination, then the best that differ from those tried in as many hands as possible."""
+def _in_turn(combinations: Sequence[Combination], most: int, blocked: set[int]) -> Iterator[Combination]:
+    """The best combination, then the best that differ from those tried in as many hands as possible.
+
+    Combinations with a grasp that has turned out to be blocked come after all others.
+    """
     left, tried = list(combinations), set()
     for _ in range(min(most, len(left))):
-        shared = [sum(id(item) in tried for item in combination.values()) for combination in left]
-        chosen = left.pop(int(np.argmin(shared)))
-        tried |= {id(item) for item in chosen.values()}
-        yield chosen
+        ids = [[id(item) for item in combination.values()] for combination in left]
+        shared = [(len(blocked.intersection(items)), len(tried.intersection(items))) for items in ids]
+        choice = min(range(len(left)), key=shared.__getitem__)
+        tried.update(ids[choice])
+        yield left.pop(choice)
 
 
 def _checkpoints(task: Task) -> NDArray[np.int_]:

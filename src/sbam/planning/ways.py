@@ -21,7 +21,9 @@ from sbam.robots.collision import CollisionModel
 Array = NDArray[np.float64]
 
 
-def with_ways(task: Task, robot: Robot, collision: CollisionModel, holding: Holding) -> tuple[Timeline, float]:
+def with_ways(
+    task: Task, robot: Robot, collision: CollisionModel, holding: Holding
+) -> tuple[Timeline, float, tuple[str, Hand] | None]:
     """Bring every hand to its grasp, the first to grasp first, and back home, the last to release first.
 
     Each keeps clear of the others as they are known by then: those whose way is not planned yet are at home.
@@ -33,12 +35,13 @@ def with_ways(task: Task, robot: Robot, collision: CollisionModel, holding: Hold
         holding: every hand from grasp to release.
 
     Returns:
-        The whole motion, and the least distance that was found on the ways, m.
+        The whole motion, the least distance that was found on the ways, m, and role and hand of that way.
 
     Raises:
         UnreachableError: if a grasp cannot be approached in a straight line.
     """
     timeline, least = holding.timeline, np.inf
+    narrowest: tuple[str, Hand] | None = None
     keys: list[tuple[MovedObject, Hand]] = [(moved, hand) for moved in task.moved for hand in moved.hands]
     grasped = {(moved.role, hand): timeline.phase(hand, moved.role, "grasp").start for moved, hand in keys}
     released = {(moved.role, hand): timeline.phase(hand, moved.role, "place").end for moved, hand in keys}
@@ -46,12 +49,14 @@ def with_ways(task: Task, robot: Robot, collision: CollisionModel, holding: Hold
     last_to_release = sorted(keys, key=lambda key: -released[key[0].role, key[1]])
     for arriving, order in ((True, first_to_grasp), (False, last_to_release)):
         for moved, hand in order:
+            key: tuple[str, Hand] = moved.role, hand
             meets = _meeting(task, robot, holding.paths, timeline, moved, hand, arriving)
-            at_grasp = holding.configurations[moved.role, hand][0 if arriving else -1]
-            way = way_to_grasp(robot, collision, holding.grasps[moved.role, hand], at_grasp, meets)
+            at_grasp = holding.configurations[key][0 if arriving else -1]
+            way = way_to_grasp(robot, collision, holding.grasps[key], at_grasp, meets)
             timeline = _passed(robot, timeline, moved.role, hand, way, arriving)
-            least = min(least, way.clearance)
-    return timeline, least
+            if way.clearance < least:
+                least, narrowest = way.clearance, key
+    return timeline, least, narrowest
 
 
 def _at_object(timeline: Timeline, role: str, hand: Hand, arriving: bool) -> int:
