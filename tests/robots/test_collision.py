@@ -119,6 +119,18 @@ def test_motions_equal_the_worst_of_their_samples(robot, collisions, seed):
                 assert single.distance_by_class[name][when] == pytest.approx(each[motion].min(), abs=1e-9)
 
 
+@pytest.mark.parametrize("classes", [("arm-arm",), ("palm-object", "self"), ("arm-object",)])
+def test_only_the_classes_that_are_asked_for(robot, collisions, classes):
+    q = around_home(robot, 40, spread=0.8, seed=5)
+    held = {("cup_large", "left"): np.arange(len(q)) % 2 == 0}
+    everything = collisions.clearances(q, grasp_of_cup(robot), held)
+    some = collisions.clearances(q, grasp_of_cup(robot), held, classes=classes)
+    for name in PAIR_CLASSES:
+        expected = everything.distance_by_class[name] if name in classes else DISTANCE_MAX
+        np.testing.assert_allclose(some.distance_by_class[name], expected, atol=1e-6)
+    assert any((everything.distance_by_class[name] < DISTANCE_MAX).any() for name in classes)
+
+
 def test_home_is_free_and_its_base_may_stand_on_the_table(robot, collisions):
     report = collisions.clearances(robot.home[None], POSES)
     assert report.worst[2] > 0.03
@@ -180,7 +192,8 @@ def test_objects_count_against_each_other_while_one_is_held(robot, collisions):
 def test_allowed_contacts(robot):
     allowed = CollisionModel(robot, OBJECTS, allowed=[("cup_large", name) for name in robot.frame_names[1:12]])
     report = allowed.clearances(robot.home[None], grasp_of_cup(robot))
-    assert "cup_large" not in report.pair_by_class["arm-object"][0]
+    pair = report.pair_by_class["arm-object"][0]
+    assert pair is not None and "cup_large" not in pair
     with pytest.raises(UnknownNameError, match="saucer"):
         CollisionModel(robot, OBJECTS, allowed=[("cup_large", "saucer")])
 

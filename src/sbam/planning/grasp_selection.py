@@ -351,7 +351,7 @@ def _clearances(
         (moved.name, hand): held[moved.role][every] for moved in task.moved for hand in moved.hands
     }
     report = collision.clearances(
-        configurations.reshape(-1, joints), objects, by_hand, distance_max=COMFORTABLE, motions=grasps
+        configurations.reshape(-1, joints), objects, by_hand, COMFORTABLE, motions=grasps, classes=kinds
     )
     return np.min([report.distance_by_class[kind] for kind in kinds], axis=0)
 

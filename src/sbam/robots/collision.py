@@ -117,6 +117,7 @@ class CollisionModel:
         held: Held | None = None,
         distance_max: float = 0.1,
         motions: int | None = None,
+        classes: Collection[str] = PAIR_CLASSES,
     ) -> ClearanceReport:
         """Smallest distance by pair class: of every sample, or of every motion over all its samples.
 
@@ -126,6 +127,7 @@ class CollisionModel:
             held: (object, arm) -> (B,) mask of the samples at which that hand's fingers may touch that object.
             distance_max: farther pairs are not looked at, m.
             motions: M, if the samples are those of M motions of equal length, one after the other; default B.
+            classes: those of `PAIR_CLASSES` that are looked at; the others are reported as far away.
 
         Raises:
             ConfigurationError: if the configurations have another shape or are not finite.
@@ -134,7 +136,7 @@ class CollisionModel:
         position, rotation = self.shapes.poses(configurations, T_world_object)
         samples = len(position)
         count = samples if motions is None else motions
-        sample, pair, kind, bound = self._candidates(position, rotation, held, distance_max)
+        sample, pair, kind, bound = self._candidates(position, rotation, held, distance_max, classes)
         kinds = len(PAIR_CLASSES)
         cell = sample // max(samples // max(count, 1), 1) * kinds + kind
         least, closest, when = [distance_max] * (count * kinds), [-1] * (count * kinds), [-1] * (count * kinds)
@@ -190,11 +192,23 @@ class CollisionModel:
         )
 
     def _candidates(
-        self, position: Floats, rotation: Floats, held: Held | None, distance: float
+        self,
+        position: Floats,
+        rotation: Floats,
+        held: Held | None,
+        distance: float,
+        classes: Collection[str] = PAIR_CLASSES,
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], Floats]:
         """Sample, pair, class and lower bound of the distance of what may be near and counts."""
-        sample, pair, bound = self.shapes.near(position, rotation, self.pairs, distance)
+        asked = np.isin(PAIR_CLASSES, list(classes))
+        # What a hand has to do with an object is one of two classes, as the hand holds it or not.
+        either = ("arm-object", "palm-object")
+        maybe = asked | (np.isin(PAIR_CLASSES, either) & any(name in classes for name in either))
+        some = np.flatnonzero(maybe[self.classes])
+        sample, pair, bound = self.shapes.near(position, rotation, self.pairs[some], distance)
+        pair = some[pair]
         keep, kind = self.counting(sample, pair, held or {}, len(position))
+        keep &= asked[kind]
         return sample[keep], pair[keep], kind[keep], bound[keep]
 
     def counting(

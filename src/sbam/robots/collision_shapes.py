@@ -113,7 +113,7 @@ class CollisionShapes:
             depth has no such bound.
         """
         sample, pair = np.nonzero(self.sphere_distance(position, pairs) < distance)
-        bound = self.lower_bound(position, rotation, sample, pairs[pair])
+        bound = self.lower_bound(position, rotation, sample, pairs[pair], distance)
         keep = bound < distance
         return sample[keep], pair[keep], bound[keep]
 
@@ -153,12 +153,17 @@ class CollisionShapes:
         return float((np.linalg.norm(self._offset[own], axis=1) + self._radius[own]).max(initial=0.0))
 
     def lower_bound(
-        self, position: Floats, rotation: Floats, sample: NDArray[np.int64], shapes: NDArray[np.int64]
+        self,
+        position: Floats,
+        rotation: Floats,
+        sample: NDArray[np.int64],
+        shapes: NDArray[np.int64],
+        enough: float = np.inf,
     ) -> Floats:
         """Lower bounds (N,) of the distances of pairs of shapes (N, 2) at samples (N,), m; -inf where they may meet.
 
-        The larger of the distances of the capsules around both, and of each shape's bounding box from the other's
-        capsule.
+        The distance of the capsules around both; where that is less than ``enough``, if larger, of each shape's
+        bounding box from the other's capsule.
         """
         first, second = shapes.T
         center = position + np.matvec(rotation, self._box_center)
@@ -166,11 +171,13 @@ class CollisionShapes:
         offset = center[sample, first] - center[sample, second]
         bound = _segment_distance(offset, spine[sample, first], spine[sample, second])
         bound -= self._thickness[first] + self._thickness[second]
+        near = np.flatnonzero(bound < enough)
+        sample, first, second, offset = sample[near], first[near], second[near], offset[near]
         for one, other, towards in ((first, second, -offset), (second, first, offset)):
             turn = rotation[sample, one]
             half = self._box_half[one] + np.abs(np.vecmat(spine[sample, other], turn))
             outside = np.maximum(np.abs(np.vecmat(towards, turn)) - half, 0.0)
-            bound = np.maximum(bound, np.sqrt(np.vecdot(outside, outside)) - self._thickness[other])
+            bound[near] = np.maximum(bound[near], np.sqrt(np.vecdot(outside, outside)) - self._thickness[other])
         return np.where(bound > 0.0, bound, -np.inf)
 
 
