@@ -72,6 +72,17 @@ def main() -> None:
         demonstrations = (*pouring, *again)[:count]
         row(f"  {count:5d} demonstrations", least_seconds(lambda d=demonstrations: learn(d)))
 
+    print("\nSpread by the paper's update rule, as a multiple of the exact one")
+    for task in ("pouring", "rolling"):
+        exact, over = (
+            learn(built_in_demonstrations(task), settings=LearningSettings(update_rule=rule))
+            for rule in ("welford", "paper")
+        )
+        times = np.linspace(0.0, exact.duration, 200)
+        spreads = [[np.linalg.norm(c.at(times)[1], axis=1) for c in model.changes] for model in (exact, over)]
+        ratio = np.concatenate([b[a > 1e-3] / a[a > 1e-3] for a, b in zip(*spreads, strict=True)])
+        print(f"  {task:<56}{ratio.mean():7.2f}")
+
     print("\nMemory at most, beside the demonstrations themselves")
     for mode in ("default", "paper"):
         print(f"  {mode:<56}{peak_megabytes(lambda m=mode: learn(pouring, mode=m)):7.1f} MB")
