@@ -54,9 +54,8 @@ def test_on_a_robot_from_other_recordings(rolling, tmp_path: Path):
 def test_learning_from_a_folder_only_what_shows_an_object(tmp_path: Path):
     names = ["juice_right_0", "juice_right_1", "milk_right_9"]
     folder = tmp_path / "pours"
-    assert (
-        main(["recordings", "write", *(f"built-in:synthetic_pouring_{one}" for one in names), "-o", str(folder)]) == 0
-    )
+    pours = [f"built-in:synthetic_pouring_{one}" for one in names]
+    assert main(["recordings", "write", *pours, "-o", str(folder), "--format", "npz"]) == 0
     report_file = tmp_path / "report.json"
     options = ["--robot", "flying_hands", "--constraints", "cartesian", "--fresh", "--jobs", "1"]
     command = ["evaluate", "built-in:synthetic_pouring_juice_right_2", "--train", str(folder), *options]
