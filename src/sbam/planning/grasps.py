@@ -194,7 +194,9 @@ def _depths(
     objects = dict.fromkeys(collision.shapes.objects, away)
     objects[moved.name] = T_agent_home * T_agent_tcp.inv() * moved.start
     held: dict[tuple[str, Hand], NDArray[np.bool_]] = {(moved.name, hand): np.full(samples, not has_palm, dtype=bool)}
-    near = collision.near(np.tile(home, (samples, 1)), objects, held, margin=PALM_CLEARANCE)
+    near = collision.near(
+        np.tile(home, (samples, 1)), objects, held, PALM_CLEARANCE, classes=("arm-object", "palm-object")
+    )
     own = set(hand_bodies(robot, hand))
     touching = np.zeros(samples, dtype=bool)
     for sample, first, second in zip(near.sample, near.first, near.second, strict=True):

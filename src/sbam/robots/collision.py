@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,9 +15,6 @@ from sbam.robots.collision_shapes import CollisionShapes
 from sbam.robots.description import ArmName
 from sbam.robots.robot import Robot
 from sbam.scene import ObjectModel
-
-if TYPE_CHECKING:
-    import mujoco
 
 Floats = NDArray[np.float64]
 Held = Mapping[tuple[str, ArmName], NDArray[np.bool_]]
@@ -142,12 +138,13 @@ class CollisionModel:
         least, closest, when = [distance_max] * (count * kinds), [-1] * (count * kinds), [-1] * (count * kinds)
         # nearest bound first: most of the others need no exact distance then
         order = np.lexsort((bound, cell))
-        measure = Measure(self.shapes, position, rotation)
-        for at, which, low, where in zip(*(a[order].tolist() for a in (sample, pair, bound, cell)), strict=True):
-            if low < least[where]:
-                distance = measure(at, self.pairs[which], least[where])
-                if distance < least[where]:
-                    least[where], closest[where], when[where] = distance, which, at
+        items = zip(*(a[order].tolist() for a in (sample, pair, bound, cell)), strict=True)
+        with Measure(self.shapes, position, rotation) as measure:
+            for at, which, low, where in items:
+                if low < least[where]:
+                    distance = measure(at, self.pairs[which], least[where])
+                    if distance < least[where]:
+                        least[where], closest[where], when[where] = distance, which, at
         smallest, nearest, moment = (np.reshape(values, (count, kinds)) for values in (least, closest, when))
         overall = smallest.argmin(axis=1)
         rows = np.arange(count)
@@ -166,15 +163,16 @@ class CollisionModel:
         T_world_object: Mapping[str, RigidTransform],
         held: Held | None = None,
         margin: float = 0.02,
+        classes: Collection[str] = PAIR_CLASSES,
     ) -> NearPairs:
         """All pairs of shapes nearer than a margin, with their nearest points; arguments as in `clearances`."""
         position, rotation = self.shapes.poses(configurations, T_world_object)
-        sample, pair, kind, _ = self._candidates(position, rotation, held, margin)
-        measure = Measure(self.shapes, position, rotation)
+        sample, pair, kind, _ = self._candidates(position, rotation, held, margin, classes)
         distance, points = np.empty(len(sample)), np.empty((len(sample), 6))
-        for i in range(len(sample)):
-            distance[i] = measure(sample[i], self.pairs[pair[i]], margin)
-            points[i] = measure.points
+        with Measure(self.shapes, position, rotation) as measure:
+            for i in range(len(sample)):
+                distance[i] = measure(sample[i], self.pairs[pair[i]], margin)
+                points[i] = measure.points
         keep = distance < margin
         sample, pair, kind, distance, points = sample[keep], pair[keep], kind[keep], distance[keep], points[keep]
         first, second = points[:, :3], points[:, 3:]
@@ -243,18 +241,27 @@ class CollisionModel:
 
 
 class Measure:
-    """Exact distances by MuJoCo."""
+    """Exact distances of shapes by MuJoCo, in a ``with`` statement; lends its data from the shapes."""
 
     def __init__(self, shapes: CollisionShapes, position: Floats, rotation: Floats) -> None:
-        import mujoco
-
-        self._distance = mujoco.mj_geomDistance
-        self._model = shapes.model
-        self._data: mujoco.MjData = mujoco.MjData(shapes.model)
-        self._geom_position, self._geom_rotation = self._data.geom_xpos, self._data.geom_xmat
-        self._geoms = shapes.geoms
+        """Take the positions (B, G, 3) and rotations (B, G, 3, 3) of all shapes."""
+        self._shapes, self._geoms = shapes, shapes.geoms
         self._position, self._rotation = position, rotation.reshape(*rotation.shape[:2], 9)
         self.points = np.zeros(6)
+
+    def __enter__(self) -> Measure:
+        import mujoco
+
+        self._distance, self._model = mujoco.mj_geomDistance, self._shapes.model
+        try:
+            self._data = self._shapes.spare_data.pop()
+        except IndexError:
+            self._data = mujoco.MjData(self._model)
+        self._geom_position, self._geom_rotation = self._data.geom_xpos, self._data.geom_xmat
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._shapes.spare_data.append(self._data)
 
     def __call__(self, sample: int, shapes: NDArray[np.int64], distance_max: float) -> float:
         """Distance of two shapes at a sample, m, at most ``distance_max``; their nearest points are in ``points``."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +13,9 @@ from sbam.errors import UnknownNameError
 from sbam.robots.composition import OBJECT_PREFIX, add_objects, compile_spec
 from sbam.robots.robot import Robot
 from sbam.scene import ObjectModel
+
+if TYPE_CHECKING:
+    import mujoco
 
 Floats = NDArray[np.float64]
 ROUNDING = 1e-9  # m^2: squared distances are differences of squares
@@ -25,6 +29,7 @@ class CollisionShapes:
         owners: name of each owner of shapes: a robot's body or an object.
         geoms: (G,) shapes' indices in the model; all arrays below follow this order.
         owner: (G,) index of each shape's owner.
+        spare_data: MuJoCo data of the model that nobody uses, see `sbam.robots.collision.Measure`.
     """
 
     def __init__(self, robot: Robot, objects: Mapping[str, ObjectModel]) -> None:
@@ -33,6 +38,7 @@ class CollisionShapes:
         add_objects(spec, objects)
         self.model = compile_spec(spec, robot.description.path)
         model = self.model
+        self.spare_data: list[mujoco.MjData] = []
         # shapes that touch nothing (contype = conaffinity = 0) are for drawing only
         self.geoms = np.flatnonzero((model.geom_contype | model.geom_conaffinity) != 0)
         names = [model.body(body).name for body in range(model.nbody)]
@@ -51,6 +57,9 @@ class CollisionShapes:
         self._box_center, self._box_half = box[:, :3], box[:, 3:]
         self._radius = model.geom_rbound[self.geoms]
         self._spine, self._thickness = self._capsules()
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, "spare_data": []}
 
     def _capsules(self) -> tuple[Floats, Floats]:
         """A capsule around each shape: half its segment (G, 3) from the box's centre, shape's frame, and its radius."""

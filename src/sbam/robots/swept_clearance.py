@@ -165,16 +165,16 @@ class _Search:
         held = {key: np.asarray(mask, dtype=bool)[at] for key, mask in self._held.items()}
         counts, kind = collision.counting(row, pair, held, len(at))
         bound[~counts] = np.inf
-        measure = Measure(collision.shapes, position, rotation)
         worth = np.flatnonzero(bound < self.least[kind] + SLACK)
         order = worth[np.argsort(bound[worth], kind="stable")]
-        for item, at_row, which in zip(order.tolist(), row[order].tolist(), kind[order].tolist(), strict=True):
-            farthest = float(self.least[which]) + SLACK
-            if bound[item] < farthest:
-                bound[item] = measure(at_row, collision.pairs[pair[item]], farthest)
-                if bound[item] < self.least[which]:
-                    self.least[which] = bound[item]
-                    self._closest[which], self._when[which] = pair[item], sample[item]
+        with Measure(collision.shapes, position, rotation) as measure:
+            for item, at_row, which in zip(order.tolist(), row[order].tolist(), kind[order].tolist(), strict=True):
+                farthest = float(self.least[which]) + SLACK
+                if bound[item] < farthest:
+                    bound[item] = measure(at_row, collision.pairs[pair[item]], farthest)
+                    if bound[item] < self.least[which]:
+                        self.least[which] = bound[item]
+                        self._closest[which], self._when[which] = pair[item], sample[item]
         return bound, kind
 
     def report(self) -> ClearanceReport:
