@@ -49,7 +49,7 @@ class Way:
         transfer: (T, n) from home to the standoff.
         line: (L, n) from the standoff straight to the grasp.
         wait: for how many ticks before the grasp all else has to stand still.
-        clearance: least distance that was found on it, m; up to twice `COMFORTABLE`.
+        clearance: least distance that was found on it beyond what must be kept, m; up to twice `COMFORTABLE`.
     """
 
     transfer: Array
@@ -82,7 +82,9 @@ class Surroundings:
 Meets = Callable[[Array, NDArray[np.bool_]], Surroundings]
 
 
-def way_to_grasp(robot: Robot, collision: CollisionModel, grasp: Grasp, at_grasp: Array, meets: Meets) -> Way:
+def way_to_grasp(
+    robot: Robot, collision: CollisionModel, grasp: Grasp, at_grasp: Array, meets: Meets, clearance: float = 0.0
+) -> Way:
     """Find a way from home to a grasp that keeps clear of what stands around and of the other arm on its way.
 
     Tried in turn: straight in the joints, over way points of the hand, over random way points near the middle. Where
@@ -94,18 +96,24 @@ def way_to_grasp(robot: Robot, collision: CollisionModel, grasp: Grasp, at_grasp
         grasp: the grasp.
         at_grasp: (n,) configuration that holds it.
         meets: what is around when.
+        clearance: distance that must be kept, m.
 
     Raises:
         UnreachableError: if the straight line to the grasp cannot be followed.
     """
-    line, standoff, direction = _straight_line(robot, grasp, at_grasp, STEP)
     joints = robot.frame_joints(robot.arms[grasp.hand].tcp_frame)
-    home = np.where(joints, robot.clip(robot.home), line[0])
-    passage = _Passage(robot, collision, joints, line, meets)
-    curves, again = tee(_curves(robot, grasp, standoff, direction, home, line[0]))
-    straight = _Curve(make_interp_spline([0.0, 1.0], np.stack([home, line[0]]), k=1))
-    # More than at its ends no way can have.
-    most, most_waiting = passage.ends(straight, 0.0), passage.ends(straight, 1.0)
+    options: list[tuple[float, Array, _Passage, _Curve, RigidTransform, Array]] = []
+    for line, standoff, direction in _straight_lines(robot, grasp, at_grasp, STEP):
+        home = np.where(joints, robot.clip(robot.home), line[0])
+        straight = _Curve(make_interp_spline([0.0, 1.0], np.stack([home, line[0]]), k=1))
+        passage = _Passage(robot, collision, joints, line, meets, clearance)
+        # More than at its ends no way can have.
+        options.append((passage.ends(straight, 1.0), line, passage, straight, standoff, direction))
+        if options[-1][0] >= ENOUGH:
+            break
+    most_waiting, line, passage, straight, standoff, direction = max(options, key=lambda option: option[0])
+    curves, again = tee(_curves(robot, grasp, standoff, direction, straight.path(0.0), line[0]))
+    most = passage.ends(straight, 0.0)
     hopeless = most < min(ENOUGH, most_waiting - PAYS)
     best, clear = (straight, most) if hopeless else passage.best(curves, most, 0.0)
     if clear >= min(ENOUGH, most_waiting - PAYS):
@@ -134,11 +142,18 @@ class _Curve:
 
 
 class _Passage:
-    """Measures how clear ways keep; ``share`` is the share of a way for which all else waits."""
+    """Measures what ways keep beyond a clearance; ``share`` is the share of a way for which all else waits."""
 
     def __init__(
-        self, robot: Robot, collision: CollisionModel, joints: NDArray[np.bool_], line: Array, meets: Meets
+        self,
+        robot: Robot,
+        collision: CollisionModel,
+        joints: NDArray[np.bool_],
+        line: Array,
+        meets: Meets,
+        clearance: float,
     ) -> None:
+        self._clearance = clearance
         self._robot, self._collision, self._joints, self._line, self._meets = robot, collision, joints, line, meets
 
     def best(self, groups: Iterator[list[_Curve]], most: float, share: float) -> tuple[_Curve, float]:
@@ -193,19 +208,24 @@ class _Passage:
             np.where(self._joints, configurations, meets.configurations),
             meets.T_agent_object,
             meets.held,
-            2 * COMFORTABLE,
+            2 * COMFORTABLE + self._clearance,
             motions,
         )
-        return np.min([d for kind, d in report.distance_by_class.items() if kind != "palm-object"], axis=0)
+        return (
+            np.min([d for kind, d in report.distance_by_class.items() if kind != "palm-object"], axis=0)
+            - self._clearance
+        )
 
 
-def _straight_line(robot: Robot, grasp: Grasp, at_grasp: Array, step: float) -> tuple[Array, RigidTransform, Array]:
-    """Configurations from the standoff to the grasp, the TCP's pose at the standoff and the direction of approach."""
+def _straight_lines(
+    robot: Robot, grasp: Grasp, at_grasp: Array, step: float
+) -> Iterator[tuple[Array, RigidTransform, Array]]:
+    """Configurations from a standoff to the grasp, the TCP's pose there, the direction of approach; longest first."""
     frame = robot.kinematics(at_grasp[None], [robot.arms[grasp.hand].tcp_frame])
     T_agent_tcp = RigidTransform.from_components(frame.position[0, 0], Rotation.from_matrix(frame.rotation[0, 0]))
     direction = T_agent_tcp.rotation.apply(np.array(robot.arms[grasp.hand].hand.approach))
     count = round(LINE_TIME / step) + 1
-    trouble = None
+    trouble, found = None, False
     for standoff in STANDOFFS:
         distance = standoff * (1.0 - ease(np.linspace(0.0, 1.0, count)))
         poses = RigidTransform.from_components(
@@ -218,7 +238,10 @@ def _straight_line(robot: Robot, grasp: Grasp, at_grasp: Array, step: float) -> 
             continue
         gap = at_grasp - line[-1]
         if np.abs(gap).max() < SAME_POSTURE:
-            return line + gap, poses[0], direction
+            found = True
+            yield line + gap, poses[0], direction
+    if found:
+        return
     raise trouble or UnreachableError(
         f"{robot.name}'s {grasp.hand} hand cannot reach its grasp of {grasp.role!r} in a straight line without another "
         "posture of the arm"

@@ -40,7 +40,7 @@ class Motion:
         configurations: (N, n) rad or m.
         objects: dense path of each moved object, on the clock.
         phases: what each hand does when.
-        clearance: least distance that was found on the ways to and from the objects, m.
+        clearance: least distance beyond the wanted one that was found on the ways to and from the objects, m.
         narrowest: (role, hand) whose way that is.
     """
 
@@ -85,13 +85,15 @@ def make_motion(
     return with_approaches(task, robot, collision, holding)
 
 
-def with_approaches(task: Task, robot: Robot, collision: CollisionModel, holding: Holding) -> Motion:
-    """Bring the hands from home to what they hold, and back.
+def with_approaches(
+    task: Task, robot: Robot, collision: CollisionModel, holding: Holding, clearance: float = 0.0
+) -> Motion:
+    """Bring the hands from home to what they hold, and back, at a ``clearance`` in m from what they must not touch.
 
     Raises:
         UnreachableError: if a grasp cannot be approached in a straight line.
     """
-    timeline, clearance, narrowest = with_ways(task, robot, collision, holding)
+    timeline, least, narrowest = with_ways(task, robot, collision, holding, clearance)
     times = holding.keypoint_times
     early = min(0, int(np.floor((times[0] - timeline.model_time[0]) / STEP)))
     late = max(0, int(np.ceil((times[-1] - timeline.model_time[-1]) / STEP)))
@@ -99,7 +101,7 @@ def with_approaches(task: Task, robot: Robot, collision: CollisionModel, holding
     path = timeline.configurations.copy()
     torso = _at(timeline.model_time, times, holding.torso)
     _move_torso(robot, timeline.clock, path, timeline.phases, robot.clip(robot.home), torso)
-    return _motion(task, holding, replace(timeline, configurations=path), clearance, narrowest)
+    return _motion(task, holding, replace(timeline, configurations=path), least, narrowest)
 
 
 def while_holding(task: Task, robot: Robot, holding: Holding) -> Motion:

@@ -151,10 +151,10 @@ def plan(
     for chosen in _in_turn(combinations, ATTEMPTS if settings.solver != "paper" else 1, blocked):
         try:
             attempt = _attempt(task, robot, collision, settings, chosen, checkpoints, free, clock)
-            if attempt.missed or attempt.clearance < settings.clearance:  # not worth timing if other grasps do better
+            if attempt.missed or attempt.clearance < 0.0:  # not worth timing if other grasps do better
                 if aside is None or (not attempt.missed, attempt.clearance) > (not aside[0].missed, aside[0].clearance):
                     aside = attempt, chosen
-                if attempt.motion and attempt.motion.narrowest and attempt.motion.clearance < settings.clearance:
+                if attempt.motion and attempt.motion.narrowest and attempt.motion.clearance < 0.0:
                     blocked.add(id(chosen[attempt.motion.narrowest]))
                 continue
             candidate = _verified(attempt, task, robot, collision, settings, free, clock, notes)
@@ -178,8 +178,8 @@ def plan(
 class _Attempt:
     """What one combination of grasps leads to, before it is timed.
 
-    ``missed`` says which keypoints are out of reach, ``clearance`` how near the arms come to what they must not touch.
-    There may be no ``motion`` where something is missed.
+    ``missed`` says which keypoints are out of reach, ``clearance`` how much the arms keep beyond the
+    distance that is wanted, m. There may be no ``motion`` where something is missed.
     """
 
     grasps: Mapping[tuple[str, Hand], Grasp]
@@ -238,8 +238,9 @@ def _attempt(
         if missed and not anyway:
             return _Attempt(grasps, solution, None, missed, -np.inf)
     clock.enter("motion")
-    motion = with_approaches(task, robot, collision, holding)
-    return _Attempt(grasps, solution, motion, missed, min(clearance, motion.clearance))
+    motion = with_approaches(task, robot, collision, holding, settings.clearance)
+    least = min(clearance - settings.clearance, motion.clearance)
+    return _Attempt(grasps, solution, motion, missed, least)
 
 
 def _verified(

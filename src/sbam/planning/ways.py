@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 def with_ways(
-    task: Task, robot: Robot, collision: CollisionModel, holding: Holding
+    task: Task, robot: Robot, collision: CollisionModel, holding: Holding, clearance: float = 0.0
 ) -> tuple[Timeline, float, tuple[str, Hand] | None]:
     """Bring every hand to its grasp, the first to grasp first, and back home, the last to release first.
 
@@ -33,9 +33,10 @@ def with_ways(
         robot: robot standing in the agent frame.
         collision: shapes of the robot and the scene's objects.
         holding: every hand from grasp to release.
+        clearance: distance that must be kept, m.
 
     Returns:
-        The whole motion, the least distance that was found on the ways, m, and role and hand of that way.
+        The whole motion, the least distance beyond ``clearance`` that was found on the ways, m, and whose way it is.
 
     Raises:
         UnreachableError: if a grasp cannot be approached in a straight line.
@@ -52,7 +53,7 @@ def with_ways(
             key: tuple[str, Hand] = moved.role, hand
             meets = _meeting(task, robot, holding.paths, timeline, moved, hand, arriving)
             at_grasp = holding.configurations[key][0 if arriving else -1]
-            way = way_to_grasp(robot, collision, holding.grasps[key], at_grasp, meets)
+            way = way_to_grasp(robot, collision, holding.grasps[key], at_grasp, meets, clearance)
             timeline = _passed(robot, timeline, moved.role, hand, way, arriving)
             if way.clearance < least:
                 least, narrowest = way.clearance, key
