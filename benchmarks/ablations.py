@@ -16,7 +16,12 @@ from rich.progress import track
 
 from sbam.demonstrations.synthetic import PERSONS, generate_rolling
 from sbam.evaluation.comparison import all_pairs, paired_difference
-from sbam.evaluation.cross_validation import evaluate_folds, leave_one_out
+from sbam.evaluation.cross_validation import (
+    evaluate_folds,
+    learning_only_from,
+    leave_one_out,
+    train_and_test,
+)
 from sbam.evaluation.evaluate import default_cache, recordings_for
 from sbam.evaluation.fold import FLYING_HANDS, Condition, Fold, FoldResult
 from sbam.learning.settings import LearningSettings
@@ -97,6 +102,7 @@ OF_TASK: dict[str, dict[str, Column]] = {
         "poured": value("poured over the cup [share]"),
         "mouth-rim": value("mouth - rim while pouring [mm]"),
         "tilt": value("pour_from: tilt error, rms [deg]"),
+        "axis": value("bottle's axis while pouring [deg]"),
     },
     "rolling": {
         "strokes": value("half-strokes"),
@@ -161,6 +167,10 @@ def main() -> None:
     parser.add_argument("--robot", default=FLYING_HANDS)
     parser.add_argument("--conditions", nargs="+", metavar="NAME", help="only these; the first is compared with")
     parser.add_argument("--tests", metavar="TEXT", default="", help="only folds whose demonstration's name holds it")
+    parser.add_argument("--recordings", nargs="+", default=[], help="test on these instead, learned from the task")
+    parser.add_argument(
+        "--train-objects", nargs="+", default=[], metavar="OBJECT", help="learn only from what shows it"
+    )
     parser.add_argument("--learn", type=int, metavar="N", help="from this many of a fold's demonstrations, the first")
     parser.add_argument("--compared", nargs="+", metavar="COLUMN", default=["events"], help="columns of differences")
     parser.add_argument("--seed", type=int, default=0, help="of the synthetic demonstrations")
@@ -169,6 +179,11 @@ def main() -> None:
     arguments = parser.parse_args()
     for task in arguments.tasks:
         every = folds_of(task, arguments.seed)
+        if arguments.recordings:
+            learned_from = recordings_for([task], arguments.seed)
+            every = train_and_test(learned_from, recordings_for(arguments.recordings))
+        if arguments.train_objects:
+            every = learning_only_from(every, arguments.train_objects)
         folds = [fold for fold in every if arguments.tests in fold.test.name]
         if not folds:
             parser.error(f"no fold with {arguments.tests!r}; there are {', '.join(fold.test.name for fold in every)}")
@@ -185,8 +200,9 @@ def main() -> None:
             if unknown:
                 parser.error(f"unknown condition {unknown[0]!r}; there are {', '.join(chosen)}")
             print(
-                f"\n{task}, {constraint}, {len(folds)} folds of synthetic demonstrations (seed {arguments.seed}), "
-                f"{f'learned from {arguments.learn}, ' if arguments.learn else ''}"
+                f"\n{task}, {constraint}, {len(folds)} folds, learned from synthetic ones (seed {arguments.seed}), "
+                f"tested on {'synthetic' if folds[0].test.synthetic else 'real'} ones, "
+                f"{f'{arguments.learn} learned from, ' if arguments.learn else ''}"
                 f"{arguments.robot}; mm, degrees, rad, processor seconds; differences from the first condition, "
                 "paired over folds, with the 95 % interval\n"
             )
