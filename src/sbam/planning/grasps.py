@@ -132,7 +132,7 @@ def _at_region(
     T_agent_tcp = RigidTransform.from_components(
         centers[height] - found[:, None] * approach[direction], Rotation.from_matrix(turns[direction, flipped])
     )
-    T_object_tcp = moved.start.inv() * T_agent_tcp
+    T_object_tcp = list(moved.start.inv() * T_agent_tcp)
     human = _human_azimuths(moved, hand, region)
     distance = np.abs(_wrap(azimuth[:, None] - human)).min(axis=1) if len(human) else np.zeros(len(azimuth))
     # Where something keeps a palm away from the region the fingers would close around nothing.
