@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from sbam.constraints import CONSTRAINT_TYPES, SPATIAL_RELATIONS, ConstraintType, Cylindrical, constraint_type
+from sbam.constraints.symbolic import VERTICAL
 from sbam.errors import UnknownNameError
 
 VARIANTS = [constraint.in_mode(mode) for constraint in CONSTRAINT_TYPES.values() for mode in ("default", "paper")]
@@ -164,7 +165,19 @@ def test_symbolic_channels_agree_with_scipy(d):
         + stats.norm.logpdf(1e3 * d[2], 1e3 * r.mean_z, 1e3 * r.std_z)
         for r in SPATIAL_RELATIONS
     ]
-    np.testing.assert_allclose(CONSTRAINT_TYPES["symbolic"].channels(d), expected, rtol=1e-9)
+    faded = max(r.kappa_phi for r in SPATIAL_RELATIONS) * (1.0 - rho / np.hypot(rho, VERTICAL))
+    np.testing.assert_allclose(CONSTRAINT_TYPES["symbolic"].channels(d), expected, rtol=1e-9, atol=faded)
+
+
+def test_symbolic_channels_are_continuous_where_the_azimuth_is_not():
+    """Around the vertical they differ by less than a rounding of the vector is worth, and have no derivative there."""
+    symbolic = CONSTRAINT_TYPES["symbolic"]
+    vertical = np.array([0.0, 0.0, 0.2])
+    for turn in np.linspace(0.0, 2.0 * np.pi, 7):
+        beside = vertical + 1e-9 * np.array([np.cos(turn), np.sin(turn), 0.0])
+        np.testing.assert_allclose(symbolic.channels(beside), symbolic.channels(vertical), atol=1e-4)
+    north, south = (symbolic.channels(np.array([0.0, y, 0.2])) for y in (10 * VERTICAL, -10 * VERTICAL))
+    assert (north - south)[symbolic.channel_names.index("behind")] == pytest.approx(10.0, rel=0.01)
 
 
 def test_symbolic_relations_point_where_their_names_say():

@@ -72,12 +72,17 @@ def _linear_form(relations: tuple[SpatialRelation, ...]) -> tuple[Array, Array]:
 _MATRIX, _OFFSET = _linear_form(SPATIAL_RELATIONS)
 _INVERSE = np.linalg.pinv(_MATRIX)
 
+VERTICAL = 1e-4
+"""Vectors that are no further than about this from vertical have no azimuth, m; without it the log-densities of a
+vertical vector, which standing objects have, would jump with every rounding."""
+
 
 @dataclass(frozen=True)
 class Symbolic(ConstraintType):
     """Channels: the log-density of each spatial relation; similarity ``sum_c (w_c (log v_c - log v_c*))^2``.
 
-    Logarithms are taken analytically; nothing underflows.
+    Logarithms are taken analytically; nothing underflows. The azimuth's unit vector is ``(x, y) / sqrt(rho^2 + e^2)``
+    with e = `VERTICAL`: continuous where the azimuth is not.
     """
 
     name: ClassVar[str] = "symbolic"
@@ -115,26 +120,33 @@ class Symbolic(ConstraintType):
 
     @staticmethod
     def _log_densities(d: Array, delta_rho: float) -> Array:
-        radius, _, denominator = smooth_radius(d, delta_rho)
+        radius, _, _ = smooth_radius(d, delta_rho)
+        unit, _ = _azimuth(d, delta_rho)
         features = np.empty((*np.shape(radius), 6))
         features[..., 0] = d[..., 0] ** 2 + d[..., 1] ** 2
         features[..., 1] = radius
-        features[..., 2:4] = d[..., :2] / denominator[..., None]
+        features[..., 2:4] = unit
         features[..., 4] = d[..., 2] ** 2
         features[..., 5] = d[..., 2]
         return features @ _MATRIX + _OFFSET
 
     @staticmethod
     def _log_density_jacobian(d: Array, delta_rho: float) -> Array:
-        _, slope, denominator = smooth_radius(d, delta_rho)
-        unit = d[..., :2] / denominator[..., None]
-        features = np.zeros((*np.shape(denominator), 3, 6))
-        features[..., :2, 0] = 2.0 * d[..., :2]
-        features[..., :2, 1] = slope
+        _, slope, _ = smooth_radius(d, delta_rho)
+        unit, denominator = _azimuth(d, delta_rho)
+        features = np.zeros((*np.shape(denominator), 6, 3))
+        features[..., 0, :2] = 2.0 * d[..., :2]
+        features[..., 1, :2] = slope
         cross = -unit[..., 0] * unit[..., 1]
-        features[..., 0, 2] = (1.0 - unit[..., 0] ** 2) / denominator
-        features[..., 1, 2] = features[..., 0, 3] = cross / denominator
-        features[..., 1, 3] = (1.0 - unit[..., 1] ** 2) / denominator
-        features[..., 2, 4] = 2.0 * d[..., 2]
-        features[..., 2, 5] = 1.0
-        return np.swapaxes(features @ _MATRIX, -1, -2)
+        features[..., 2, 0] = (1.0 - unit[..., 0] ** 2) / denominator
+        features[..., 2, 1] = features[..., 3, 0] = cross / denominator
+        features[..., 3, 1] = (1.0 - unit[..., 1] ** 2) / denominator
+        features[..., 4, 2] = 2.0 * d[..., 2]
+        features[..., 5, 2] = 1.0
+        return _MATRIX.T @ features
+
+
+def _azimuth(d: Array, delta_rho: float) -> tuple[Array, Array]:
+    """The azimuth's unit vector (..., 2), which fades at rho = 0, and by what (x, y) is divided, (...), m."""
+    denominator = np.sqrt(d[..., 0] ** 2 + d[..., 1] ** 2 + (delta_rho**2 + VERTICAL**2))
+    return d[..., :2] / denominator[..., None], denominator
