@@ -14,7 +14,7 @@ from sbam.planning.solvers.banded import DampedSystem
 from sbam.planning.solvers.linearization import evaluate, linearize, updated_duals
 from sbam.planning.solvers.result import Solution, describe
 from sbam.planning.state import State
-from sbam.planning.terms import EXACT, Smoothing, Smoothness
+from sbam.planning.terms import Smoothing, Smoothness
 
 Array = NDArray[np.float64]
 
@@ -32,21 +32,24 @@ class Stage:
 
     smoothing: Smoothing
     tolerance: float
-    curvature: float = 0.95
+    curvature: float
     stiffness: float = 0.0
 
 
 # Coarse to fine: the optimum sits on kinks of the sum of norms, which a fine smoothing alone does not find.
-SCHEDULE = (
-    Stage(Smoothing(0.3, 3e-2, 3e-3), 3e-3, 0.5),
-    Stage(Smoothing(1e-2, 2e-3, 3e-6), 1e-3),
-    Stage(Smoothing(3e-4, 2e-4, 1e-9), 5e-5),
+# The norms' curvature counts at last only: closed loops of two arms bend more than a step sees, and with it at once
+# they may stop far from the optimum.
+# From a motion that is nearly right:
+WARM = (
+    Stage(Smoothing(1e-2, 2e-3, 3e-6), 1e-3, 0.0),
+    Stage(Smoothing(3e-4, 2e-4, 1e-9), 5e-5, 0.8),
 )
-# From a motion that is nearly right. Closed loops of two arms bend more than a step sees: with all of the norms'
-# curvature at once it may stop far from the optimum.
-WARM = (replace(SCHEDULE[1], curvature=0.5), *SCHEDULE[2:])
 # From a posture that is no motion yet: the keypoints first find their way together, as if joined by springs.
-COLD = (Stage(Smoothing(3.0, 0.3, 1e-2), 1e-2, 0.0, 3.0), *SCHEDULE)
+COLD = (
+    Stage(Smoothing(6.0, 0.2, 3e-2), 0.09, 0.0, 6.0),
+    Stage(Smoothing(0.2, 3e-3, 1e-2), 0.09, 0.0),
+    Stage(Smoothing(2e-3, 3e-4, 1e-9), 1e-3, 0.8),
+)
 MAX_STEP = 0.5  # rad (or m) per iteration and joint
 POOR = 0.5  # share of the promised gain below which a step is corrected for the residuals' curvature
 LARGEST_DAMPING = 1e4  # a smaller step would change nothing
@@ -55,7 +58,7 @@ LARGEST_DAMPING = 1e4  # a smaller step would change nothing
 def descend(
     problem: Problem,
     start: Array,
-    schedule: Sequence[Stage] = SCHEDULE,
+    schedule: Sequence[Stage] = WARM,
     max_iterations: int = 40,
 ) -> tuple[State, int]:
     """Descend from one start.
@@ -95,7 +98,8 @@ def descend(
                     candidate = onto if onto.merit < candidate.merit else candidate
                 if candidate.merit < merit:
                     damping = _damping_after(damping, (merit - candidate.merit) / promised)
-                    duals = updated_duals(model, candidate.state.configurations - q, duals)
+                    if stage.curvature > 0.0:
+                        duals = updated_duals(model, candidate.state.configurations - q, duals)
                     at = candidate
                     break
                 damping *= growth
@@ -131,15 +135,13 @@ def solve_whole_trajectory(problem: Problem, starts: Sequence[Array]) -> Solutio
         The best solution.
     """
     begin = time.perf_counter()
-    best: State | None = None
-    best_merit, iterations = np.inf, 0
+    if not starts:
+        raise ValueError("at least one start is needed")
+    states, iterations = [], 0
     for start in starts:
         everywhere = np.tile(start, (problem.count, 1)) if start.ndim == 1 else start
         state, used = descend(problem, everywhere, COLD if start.ndim == 1 else WARM)
+        states.append(state)
         iterations += used
-        merit = problem.merit(state, EXACT)
-        if best is None or merit < best_merit:
-            best, best_merit = state, merit
-    if best is None:
-        raise ValueError("at least one start is needed")
+    best = min(states, key=problem.merit) if len(states) > 1 else states[0]
     return describe(problem, best, "default", len(starts), iterations, time.perf_counter() - begin)
