@@ -52,7 +52,7 @@ class LearningSettings:
     upright_as_cartesian: bool = True
     update_rule: Literal["welford", "paper"] = "welford"
     segmentation_rate: float | None = 12.5
-    segmentation_epsilon: float = 0.006
+    segmentation_epsilon: float = 0.004
     length_amplitude_floor: float = 0.010
     angle_amplitude_floor: float = 0.1
     log_amplitude_floor: float = 0.2
