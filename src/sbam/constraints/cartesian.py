@@ -36,9 +36,7 @@ class Cartesian(ConstraintType):
 
     def residual_jacobian(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
         """``diag(w)``, (..., 3, 3)."""
-        jacobian = np.zeros((*np.broadcast_shapes(np.shape(d), np.shape(weight)), 3))
-        jacobian[..., range(3), range(3)] = weight
-        return jacobian
+        return np.broadcast_to(weight, np.broadcast_shapes(np.shape(d), np.shape(weight)))[..., None] * np.eye(3)
 
     def weights(self, std: Array, target: Array) -> Array:
         """Weights of x, y and z; see `ConstraintType`."""

@@ -15,7 +15,7 @@ from sbam.planning.motion import Motion, while_holding
 from sbam.planning.problem import Problem
 from sbam.planning.settings import PlanSettings
 from sbam.planning.solvers.result import Solution, describe
-from sbam.planning.solvers.whole_trajectory import SCHEDULE, descend
+from sbam.planning.solvers.whole_trajectory import WARM, descend
 from sbam.planning.task import Task
 from sbam.planning.terms import Clearance
 from sbam.planning.timeline import STEP
@@ -73,7 +73,7 @@ def keep_clear(
             break
         begin, q = time.perf_counter(), solution.configurations
         nearby = replace(problem, terms=(*problem.terms, term), center=q, radius=radius)
-        state, used = descend(nearby, q, SCHEDULE[1:])
+        state, used = descend(nearby, q, WARM)
         seconds = solution.seconds + time.perf_counter() - begin
         moved = describe(problem, state, "default", solution.starts, solution.iterations + used, seconds)
         radius /= 2.0

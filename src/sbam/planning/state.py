@@ -86,6 +86,8 @@ class Workspace:
             np.einsum("rij,rj->ri", self.R_tcp_object[carrying], offsets) + self.tcp_to_object[carrying]
         )
 
+        self.moving_arm = np.concatenate([self.region_arm, self.arm_of])
+
     def state(self, configurations: Array) -> State:
         """The state of K configurations, (K, n) rad or m."""
         return State(self, configurations, self.robot.kinematics(configurations, self._frames))
@@ -116,13 +118,19 @@ class State:
         return positions
 
     @cached_property
+    def moving_jacobian(self) -> Array:
+        """(K, N, 3, n) derivative of all points that move: the carried regions' centres, then the objects' origins."""
+        w = self.workspace
+        points = np.concatenate([self.region_position[:, w.carried], self.object_position], axis=1)
+        return self.point_jacobian(points, w.moving_arm)
+
+    @property
     def region_jacobian(self) -> Array:
         """(K, R, 3, n) derivative of the region centres with respect to the configuration."""
         w = self.workspace
         count, joints = self.configurations.shape
         jacobian = np.zeros((count, len(w.regions), 3, joints))
-        if len(w.carried):
-            jacobian[:, w.carried] = self.point_jacobian(self.region_position[:, w.carried], w.region_arm)
+        jacobian[:, w.carried] = self.moving_jacobian[:, : len(w.carried)]
         return jacobian
 
     @cached_property
@@ -146,10 +154,10 @@ class State:
             for i, carrying in enumerate(self.workspace.carryings)
         }
 
-    @cached_property
+    @property
     def object_jacobian(self) -> Array:
         """(K, O, 3, n) derivative of the carried objects' origins."""
-        return self.point_jacobian(self.object_position, self.workspace.arm_of)
+        return self.moving_jacobian[:, len(self.workspace.carried) :]
 
     @cached_property
     def object_rotation_jacobian(self) -> Array:

@@ -1,13 +1,14 @@
 """What must hold exactly: objects at rest, closed two-handed grasps."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.planning.state import State
-from sbam.planning.terms import Closure, Resting
+from sbam.planning.terms import EXACT, Closure, Resting, Term
 from sbam.planning.terms.requirements import POSITION_SCALE, ROTATION_SCALE
 
 
@@ -33,6 +34,19 @@ def test_jacobians_of_resting(resting, state, agrees_with_differences, is_the_ro
     assert 0 < resting.resting.sum() < resting.resting.size
     agrees_with_differences(resting, state)
     is_the_row_of_the_whole(resting, state)
+
+
+def test_the_rows_of_resting_pull_as_the_jacobian_does(resting, state):
+    """Far off, too; the matrix is that of the Jacobian where the rotations' errors are small."""
+    residual = resting.residual(state)
+    rows, exact = resting.rows(state, EXACT, residual, None), Term.rows(resting, state, EXACT, residual, None)
+    np.testing.assert_allclose(rows.pull(residual), exact.pull(residual), rtol=1e-9, atol=1e-3)
+    turn = Rotation.from_rotvec([1e-4, -2e-4, 1e-4]).as_matrix()
+    near = replace(resting, rotation=state.object_rotation @ turn)
+    step = np.random.default_rng(7).normal(size=state.configurations.shape)
+    rows, exact = near.rows(state, EXACT, residual, None), Term.rows(near, state, EXACT, residual, None)
+    scale = float(np.abs(exact.change(step)).max())
+    np.testing.assert_allclose(rows.change(step), exact.change(step), atol=2e-4 * scale)
 
 
 @pytest.mark.parametrize("holder", [0, 1])

@@ -30,14 +30,12 @@ class DampedSystem:
         factorize, self._solve = get_lapack_funcs(("pbtrf", "pbtrs"), dtype=np.float64)
         self._free = free
         count, joints, _ = model.diagonal.shape
-        index = np.arange(joints)
-        entries = model.diagonal[:, index, index]
-        scale = np.maximum(entries, 1e-3 * entries.max(axis=1, initial=1e-12, keepdims=True))
         diagonal, coupling = model.diagonal * np.tri(joints), model.coupling
-        diagonal[:, index, index] += damping * scale + 1e-9
+        entries = np.einsum("kii->ki", diagonal)  # a view
+        entries += damping * np.maximum(entries, 1e-3 * entries.max(axis=1, initial=1e-12, keepdims=True)) + 1e-9
         if not free.all():
             diagonal[~(free[:, :, None] & free[:, None, :])] = 0.0
-            diagonal[:, index, index] = np.where(free, diagonal[:, index, index], 1.0)
+            entries[~free] = 1.0
             coupling = coupling.copy()
             coupling[1:][~(free[1:, :, None] & free[:-1, None, :])] = 0.0
         # LAPACK's lower band form, column after column: entry (i, j) is at i + j (2 n - 1). In that memory each block

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sbam.planning.problem import Problem
 from sbam.planning.state import State
-from sbam.planning.terms import Smoothing
+from sbam.planning.terms import NormalEquations, Rows, Smoothing
 
 Array = NDArray[np.float64]
 
@@ -32,38 +32,6 @@ class Evaluation:
     residuals: tuple[Array, ...]
     norms: tuple[Array | None, ...]
     merit: float
-
-
-@dataclass(frozen=True)
-class Rows:
-    """The linearised residuals of one term.
-
-    Attributes:
-        residual: (K, G, m).
-        norm: (K, G) smoothed norms; None for a term with squares.
-        jacobian: (K, G m, n) by the keypoint's own configuration.
-        previous: (K - 1, G m, n) by the previous keypoint's, from the second keypoint on; None if not coupled.
-    """
-
-    residual: Array
-    norm: Array | None
-    jacobian: Array
-    previous: Array | None
-
-    def change(self, step: Array) -> Array:
-        """(K, G, m) change of the residual with a step (K, n)."""
-        change = np.matvec(self.jacobian, step)
-        if self.previous is not None:
-            change[1:] += np.matvec(self.previous, step[:-1])
-        return change.reshape(self.residual.shape)
-
-    def pull(self, residual: Array) -> Array:
-        """(K, n) gradient of a residual (K, G, m) with these derivatives."""
-        rows = residual.reshape(len(residual), -1)
-        gradient = np.vecmat(rows, self.jacobian)
-        if self.previous is not None:
-            gradient[:-1] += np.vecmat(rows[1:], self.previous)
-        return gradient
 
 
 @dataclass(frozen=True)
@@ -106,7 +74,7 @@ def evaluate(problem: Problem, state: State, smoothing: Smoothing) -> Evaluation
     residuals, norms, merit = [], [], 0.0
     for term in problem.terms:
         residual = term.residual(state, smoothing)
-        squared = np.square(residual).sum(axis=-1)
+        squared = np.vecdot(residual, residual)
         norm = None
         if term.loss == "norm":
             norm = np.sqrt(squared + max(term.epsilon(smoothing), SMALLEST_NORM) ** 2)
@@ -141,60 +109,14 @@ def linearize(
         duals: z of each term with norms, (K, G, m), None for the others; default all zero.
         curvature: c, between 0 and 1.
     """
-    count, joints = at.state.configurations.shape
-    gradient = np.zeros((count, joints))
-    linearized: list[Rows] = []
-    own_rows, previous_rows = _Product(), _Product()
-    coupled: list[Array] = []
+    normal = NormalEquations(*at.state.configurations.shape)
+    linearized = []
     for index, (term, residual, norm) in enumerate(zip(problem.terms, at.residuals, at.norms, strict=True)):
-        own = term.jacobian(at.state, smoothing).reshape(count, -1, joints)
-        previous = None
-        if term.couples_neighbours and count > 1:
-            previous = term.previous_jacobian(at.state)[1:].reshape(count - 1, -1, joints)
-        rows = Rows(residual, norm, own, previous)
+        rows = term.rows(at.state, smoothing, residual, norm)
+        rows.add_to(normal, duals[index] if duals is not None and curvature > 0.0 else None, curvature)
         linearized.append(rows)
-        unit = residual if norm is None else residual / norm[..., None]
-        gradient += rows.pull(unit)
-        dual = duals[index] if duals is not None and curvature > 0.0 else None
-        own_rows.add(own, norm, unit, dual, curvature)
-        if previous is not None:
-            coupled += own_rows.left[-1 if dual is None else -2 :]
-            later = (None if norm is None else norm[1:], unit[1:], None if dual is None else dual[1:])
-            previous_rows.add(previous, *later, curvature)
-    diagonal = _stacked(own_rows.left).swapaxes(1, 2) @ _stacked(own_rows.right)
-    coupling = np.zeros((count, joints, joints))
-    if coupled:
-        before = _stacked(previous_rows.right)
-        diagonal[:-1] += _stacked(previous_rows.left).swapaxes(1, 2) @ before
-        coupling[1:] = _stacked([rows[1:] for rows in coupled]).swapaxes(1, 2) @ before
-    return Linearization(diagonal, coupling, gradient, tuple(linearized))
-
-
-class _Product:
-    """J^T W J of several terms as left^T right, rows one below the other."""
-
-    def __init__(self) -> None:
-        self.left: list[Array] = []
-        self.right: list[Array] = []
-
-    def add(self, jacobian: Array, norm: Array | None, unit: Array, dual: Array | None, c: float) -> None:
-        """Add a term with W = (I - c (z u^T + u z^T) / 2) / v, or I: rows J, and with z also z^T J and u^T J."""
-        self.left.append(jacobian)
-        if norm is None:
-            self.right.append(jacobian)
-            return
-        count, groups, size = unit.shape
-        self.right.append(jacobian / np.repeat(norm, size, axis=1)[..., None])
-        if dual is not None:
-            along = np.stack([dual, unit], axis=-2) @ jacobian.reshape(count, groups, size, -1)
-            opposite = along[..., ::-1, :] * (-0.5 * c / norm)[..., None, None]
-            self.left.append(along.reshape(count, 2 * groups, -1))
-            self.right.append(opposite.reshape(count, 2 * groups, -1))
-
-
-def _stacked(rows: Sequence[Array]) -> Array:
-    """(K, M, n) of rows (K, m, n) one below the other."""
-    return np.concatenate(rows, axis=1)
+    normal = normal.total()
+    return Linearization(normal.diagonal, normal.coupling, normal.gradient, tuple(linearized))
 
 
 def updated_duals(model: Linearization, step: Array, duals: Sequence[Array | None] | None) -> list[Array | None]:
@@ -214,10 +136,10 @@ def updated_duals(model: Linearization, step: Array, duals: Sequence[Array | Non
             result.append(None)
             continue
         norm = rows.norm[..., None]
-        change, unit = rows.change(step), rows.residual / norm
+        change, unit = rows.change(step), rows.unit
         dual = None if duals is None else duals[index]
         if dual is not None:
             change = change - dual * np.vecdot(unit, change)[..., None]
         moved = unit + change / norm
-        result.append(moved / np.maximum(np.linalg.norm(moved, axis=-1, keepdims=True), 1.0))
+        result.append(moved / np.maximum(np.sqrt(np.vecdot(moved, moved)), 1.0)[..., None])
     return result

@@ -42,14 +42,18 @@ def describe(problem: Problem, state: State, solver: str, starts: int, iteration
     names = problem.workspace.robot.joint_names
     at_limit = (q <= problem.lower + 1e-6) | (q >= problem.upper - 1e-6)
     terms: dict[str, dict[str, NDArray[np.float64]]] = {}
+    objective = 0.0
     for term in problem.terms:
         cost = term.cost(state)
+        objective += 0.0 if term.is_requirement else float(cost.sum())
         terms.setdefault(term.name, {}).update({group: cost[:, i] for i, group in enumerate(term.groups())})
     return Solution(
         configurations=q,
-        objective=problem.objective(state),
+        objective=objective,
         terms=terms,
-        active_limits=tuple(tuple(names[j] for j in np.flatnonzero(row)) for row in at_limit),
+        active_limits=tuple(
+            tuple(name for name, held in zip(names, row, strict=True) if held) for row in at_limit.tolist()
+        ),
         solver=solver,
         starts=starts,
         iterations=iterations,

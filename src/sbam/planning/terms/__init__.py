@@ -6,6 +6,7 @@ from sbam.planning.terms.damping import Damping
 from sbam.planning.terms.human_likeness import HumanLikeness
 from sbam.planning.terms.natural_joints import NaturalJoints
 from sbam.planning.terms.requirements import Closure, Resting
+from sbam.planning.terms.rows import NormalEquations, Rows
 from sbam.planning.terms.similarity import Similarity
 from sbam.planning.terms.smoothness import Smoothness
 
@@ -16,7 +17,9 @@ __all__ = [
     "Damping",
     "HumanLikeness",
     "NaturalJoints",
+    "NormalEquations",
     "Resting",
+    "Rows",
     "Similarity",
     "Smoothing",
     "Smoothness",

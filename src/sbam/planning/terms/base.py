@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.planning.state import State
+from sbam.planning.terms.rows import JointRows, Rows
 
 Array = NDArray[np.float64]
 
@@ -56,6 +57,14 @@ class Term(ABC):
     def previous_jacobian(self, state: State) -> Array:
         """(K, G, m, n) derivative with respect to the previous keypoint's configuration; row 0 is not used."""
         raise TypeError(f"term {self.name!r} does not couple neighbours")
+
+    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+        """The linearised residual, given its value and smoothed norm at the state, for solvers."""
+        count, joints = state.configurations.shape
+        previous = None
+        if self.couples_neighbours and count > 1:
+            previous = self.previous_jacobian(state)[1:].reshape(count - 1, -1, joints)
+        return JointRows(residual, norm, self.jacobian(state, smoothing).reshape(count, -1, joints), previous)
 
     @abstractmethod
     def groups(self) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from sbam.planning.state import State
 from sbam.planning.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.terms.rows import Rows, VectorRows
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,11 @@ class Damping(Term):
         jacobian = state.object_jacobian
         shifted = np.concatenate([np.zeros_like(jacobian[:1]), jacobian[:-1]])
         return -self.weight[..., None, None] * shifted
+
+    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+        """The linearised residual; see `VectorRows`."""
+        slope = self.weight[..., None, None] * np.eye(3)
+        return VectorRows(residual, norm, slope, state.object_jacobian, coupled=True)
 
     def groups(self) -> tuple[str, ...]:
         """The objects' roles."""

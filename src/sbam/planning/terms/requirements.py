@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sbam.planning.rotation_error import left_jacobian_inverse, rotation_error
 from sbam.planning.state import State
 from sbam.planning.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.terms.rows import JointRows, Rows
 
 POSITION_SCALE = 2e-4  # m: a pull of 1 per 5 mm, the strongest learned one, moves the pose by less than 0.01 mm
 ROTATION_SCALE = 2e-3  # rad
@@ -56,10 +57,28 @@ class Resting(Term):
     def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
         """(K, O, 6, n)."""
         still = self.resting
-        inverse = left_jacobian_inverse(rotation_error(state.object_rotation[still], self.rotation[still]))
-        jacobian = np.zeros((*still.shape, 6, state.configurations.shape[1]))
-        jacobian[still, :3] = state.object_jacobian[still] / POSITION_SCALE
-        jacobian[still, 3:] = inverse @ state.object_rotation_jacobian[still] / ROTATION_SCALE
+        error = rotation_error(state.object_rotation[still], self.rotation[still])
+        jacobian = self._jacobian(state)
+        jacobian[still, 3:] = left_jacobian_inverse(error) @ jacobian[still, 3:]
+        return jacobian
+
+    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+        """The linearised residual, with the rotations' errors v as if they were angular displacements.
+
+        The true derivative has a factor J_l^-1: J_l^-T v = v leaves the gradient exact, and the matrix differs by
+        terms of second order in v, which is tiny where this requirement is met.
+        """
+        jacobian = self._jacobian(state)
+        return JointRows(residual, norm, jacobian.reshape(len(residual), -1, jacobian.shape[-1]), None)
+
+    def _jacobian(self, state: State) -> Array:
+        """(K, O, 6, n) scaled linear and angular velocities of what rests, per joint velocity."""
+        moving = state.object_jacobian
+        jacobian = np.empty((*moving.shape[:2], 6, moving.shape[-1]))
+        np.multiply(moving, (self.resting / POSITION_SCALE)[..., None, None], out=jacobian[..., :3, :])
+        np.multiply(
+            state.object_rotation_jacobian, (self.resting / ROTATION_SCALE)[..., None, None], out=jacobian[..., 3:, :]
+        )
         return jacobian
 
     def groups(self) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from sbam.constraints import ConstraintType
 from sbam.planning.state import State
 from sbam.planning.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.terms.rows import Rows, VectorRows
 
 
 @dataclass(frozen=True)
@@ -65,13 +66,25 @@ class Similarity(Term):
         """(K, P, m) residual of each pair."""
         return self.constraint.residual(self.vector(state), self.target, self.weight, delta_rho=smoothing.rho)
 
+    def _slope(self, state: State, smoothing: Smoothing) -> Array:
+        """(K, P, m, 3) derivative of the residual by the pair's vector."""
+        return self.constraint.residual_jacobian(self.vector(state), self.target, self.weight, delta_rho=smoothing.rho)
+
+    def _vector_jacobian(self, state: State) -> Array:
+        """(K, P, 3, n) derivative of the vectors."""
+        w, incidence = state.workspace, self._incidence
+        carried = w.carried[w.carried < incidence.shape[1]]
+        regions = state.moving_jacobian[:, : len(carried)]
+        flat = incidence[:, carried] @ regions.reshape(*regions.shape[:2], -1)
+        return flat.reshape(*flat.shape[:2], *regions.shape[2:])
+
     def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
         """(K, P, m, n) by the chain rule through the pair's vector."""
-        outer = self.constraint.residual_jacobian(self.vector(state), self.target, self.weight, delta_rho=smoothing.rho)
-        incidence = self._incidence
-        regions = state.region_jacobian[:, : incidence.shape[1]]
-        inner = incidence @ regions.reshape(*regions.shape[:2], -1)
-        return outer @ inner.reshape(*inner.shape[:2], *regions.shape[2:])
+        return self._slope(state, smoothing) @ self._vector_jacobian(state)
+
+    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+        """The linearised residual; see `VectorRows`."""
+        return VectorRows(residual, norm, self._slope(state, smoothing), self._vector_jacobian(state))
 
     def groups(self) -> tuple[str, ...]:
         """The pairs' names."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from sbam.planning.state import State
 from sbam.planning.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.terms.rows import Rows, StepRows
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,10 @@ class Smoothness(Term):
         """(K, 1, n, n)."""
         count, joints = state.configurations.shape
         return np.broadcast_to(-self._scale * np.eye(joints), (count, 1, joints, joints))
+
+    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+        """The linearised residual; see `StepRows`."""
+        return StepRows(residual, norm, self._scale, self.start is not None)
 
     def groups(self) -> tuple[str, ...]:
         """One group."""
