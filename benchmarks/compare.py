@@ -17,9 +17,10 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
 import numpy as np
-from measuring import grasped, peak_megabytes, problem_of
+from measuring import floor_task, grasped, peak_megabytes, problem_of
 
 import sbam
+from sbam.errors import FileFormatError
 from sbam.evaluation import random_pouring_scene, random_rolling_scene
 from sbam.files import write_atomically
 from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
@@ -57,14 +58,14 @@ def tasks() -> dict[str, tuple[Callable[[], object], int]]:
     return found
 
 
-def ratio(task: Callable[[], object], repetitions: int, floor_task: Callable[[], object]) -> float:
+def ratio(task: Callable[[], object], repetitions: int, least: Callable[[], object]) -> float:
     """Median ratio of a task's time to the floor's mean around it: the machine may be busier at other times."""
-    around, ratios = [_mean_seconds(floor_task)], []
+    around, ratios = [_mean_seconds(least)], []
     for _ in range(repetitions):
         begin = time.process_time()
         task()
         seconds = time.process_time() - begin
-        around.append(_mean_seconds(floor_task))
+        around.append(_mean_seconds(least))
         ratios.append(2.0 * seconds / (around[-2] + around[-1]))
     return float(np.median(ratios))
 
@@ -80,28 +81,43 @@ def _mean_seconds(task: Callable[[], object]) -> float:
 
 def measure(baseline: Results) -> Results:
     """All times as ratios, memory in MB, objectives; what seems worse than the baseline is measured again."""
-    problem, start = problem_of("cartesian", "paper", SEED)
-    q = np.tile(start, (problem.count, 1))
-
-    def floor_task() -> object:
-        return problem.state(q).region_jacobian
-
+    around = floor_task(*problem_of("cartesian", "paper", SEED))
     results: Results = {}
     for name, (task, repetitions) in tasks().items():
         task()
-        value = ratio(task, repetitions, floor_task)
+        value = ratio(task, repetitions, around)
         for _ in range(AGAIN):
             if value <= (1.0 + WORSE) * baseline.get(name, value):
                 break
-            value = min(value, ratio(task, repetitions, floor_task))
+            value = min(value, ratio(task, repetitions, around))
         results[name] = round(value, 1)
-        # The azimuth of nearly vertical vectors makes the remaining one change with every rounding (docs, "Speed").
-        if name.startswith("keypoints") and name != "keypoints, symbolic, objective of paper":
+        if name.startswith("keypoints"):
             solution = task()
             results[f"{name}: J"] = round(solution.objective, 3)  # pyright: ignore[reportAttributeAccessIssue]
         if name.startswith("plan") or name == "learn, cartesian":
             results[f"{name}: MB"] = round(peak_megabytes(task), 1)
     return results
+
+
+def read_baseline(path: Path) -> Results:
+    """What was stored before.
+
+    Raises:
+        FileFormatError: if there is no such file or it is not what `--update` writes; names what is wrong.
+    """
+    wanted = "an object of numbers, as --update writes it"
+    try:
+        stored = json.loads(path.read_text())
+    except OSError as error:
+        raise FileFormatError(path, "$", f"cannot be read ({error.strerror})", wanted) from error
+    except ValueError as error:
+        raise FileFormatError(path, "$", f"is not JSON ({error})", wanted) from error
+    if not isinstance(stored, dict):
+        raise FileFormatError(path, "$", f"is of type {type(stored).__name__}", wanted)
+    for name, value in stored.items():
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < float("inf"):
+            raise FileFormatError(path, f"$[{name!r}]", f"is {value!r}", "a positive number")
+    return stored
 
 
 def worsened(results: Results, baseline: Results) -> list[str]:
@@ -110,7 +126,7 @@ def worsened(results: Results, baseline: Results) -> list[str]:
     for name, value in results.items():
         before = baseline.get(name)
         allowed = OBJECTIVE_WORSE if name.endswith(": J") else WORSE
-        if before and value > (1.0 + allowed) * before:
+        if before is not None and value > (1.0 + allowed) * before:
             lines.append(f"{name}: {before:g} -> {value:g} ({100 * (value / before - 1):+.1f} %)")
     return lines
 
@@ -121,8 +137,10 @@ def main() -> int:
     parser.add_argument("--json", type=Path, help="also write what was measured")
     parser.add_argument("--update", action="store_true", help="make it the new baseline")
     arguments = parser.parse_args()
-    stored = arguments.baseline.is_file() and not arguments.update
-    baseline: Results = json.loads(arguments.baseline.read_text()) if stored else {}
+    try:
+        baseline = {} if arguments.update else read_baseline(arguments.baseline)
+    except FileFormatError as error:
+        parser.error(str(error))
     results = measure(baseline)
     print(f"{'time / floor, MB, or objective J':52s} {'baseline':>9s} {'now':>9s}")
     for name, value in results.items():
