@@ -15,7 +15,8 @@ from sbam.planning.object_path import acting_point
 
 Array = NDArray[np.float64]
 
-LAST_INTERVALS = 2
+END = 0.2
+"""Share of the time from the first lift to the last place that counts as the end, and all that follows."""
 
 
 def measure_faults(
@@ -29,12 +30,13 @@ def measure_faults(
         pour_into: role of what is poured into.
 
     Returns:
-        Name with unit -> value: ``largest speed at the end [mm/s]`` of any object's acting region between the last
-        three keypoints, ``largest speed before [mm/s]``, and ``tilted beside the cup for [s]``: beyond 60 degrees with
-        the mouth farther aside than the rim of the cup.
+        Name with unit -> value: ``largest speed at the end [mm/s]`` of any object's acting region in the last fifth of
+        the time from the first lift to the last place, and after it; ``largest speed before [mm/s]``; ``tilted beside
+        the cup for [s]``: beyond 60 degrees with the mouth farther aside than the rim of the cup.
     """
     task, clock = motion.task, motion.clock
-    begin = task.model.keypoint_times[-1 - LAST_INTERVALS]
+    lift, place = min(moved.lift for moved in task.moved), max(moved.place for moved in task.moved)
+    begin = place - END * (place - lift)
     at_end, before = [0.0], [0.0]
     for moved in task.moved:
         speed, when = _speed(clock, motion.T_agent_object[moved.role].apply(acting_point(task, moved)))
