@@ -89,8 +89,8 @@ def hand_targets(
         inside = np.flatnonzero((times >= moved.lift - 1e-9) & (times <= moved.place + 1e-9))
         chosen = np.unique(np.linspace(inside[0], inside[-1], CHECKPOINTS).round().astype(int))
         tilt = (poses[moved.role].rotation * moved.start.rotation.inv()).magnitude()
-        most = int(inside[np.argmax(tilt[inside])])
-        moments = np.unique(np.append(chosen, most))
+        most_tilted = int(inside[np.argmax(tilt[inside])])
+        moments = np.unique(np.append(chosen, most_tilted))
         along = RigidTransform.concatenate([moved.start, poses[moved.role][moments], moved.put_down])
         for hand in moved.hands:
             grasps = candidate_grasps(robot, collision, moved, hand)
@@ -103,7 +103,7 @@ def hand_targets(
                 away[[0, -1]] = min(STANDOFFS)
                 positions.append(tcp.translation - away * tcp.rotation.apply(approach))
                 rotations.append(tcp.rotation.as_matrix())
-            hardest = 1 + int(np.searchsorted(moments, most))
+            hardest = 1 + int(np.searchsorted(moments, most_tilted))
             targets.append(HandTargets(moved.role, hand, np.array(positions), np.array(rotations), hardest))
     return tuple(targets)
 

@@ -56,7 +56,7 @@ def plot_base_map(found: BaseMap) -> Figure:
             if found.task.scene.objects[name].movable
         ]
         places = 1e3 * np.array(movable).reshape(-1, 2)
-        half = 1e3 * float(found.right[1] - found.right[0]) / 2
+        half = 1e3 * _cell(found) / 2
         axes.set_xlim(min(x[0], *places[:, 0]) - half - 60, max(x[-1], *places[:, 0]) + half + 60)
         axes.set_ylim(y[0] - half - 20, max(y[-1] + half, *places[:, 1]) + 120)
     grid[0].set_ylabel("forward / mm")
@@ -89,11 +89,16 @@ def _draw_cells(
     grasps = axes.pcolormesh(
         x, y, np.ma.masked_where(~reached, share), cmap=greens, vmin=0.0, vmax=max(1.0, 100.0 * found.share.max())
     )
-    half = 0.5 * (x[1] - x[0])
+    half = 0.5e3 * _cell(found)
     for row, column in np.argwhere(~found.room[index]):
         corner = (x[column] - half, y[row] - half)
         axes.add_patch(Rectangle(corner, 2 * half, 2 * half, fill=False, hatch="////", edgecolor=GREY, linewidth=0.0))
     return away, grasps
+
+
+def _cell(found: BaseMap) -> float:
+    """Side of a map's cells, m; 5 cm where a single place was looked at."""
+    return next((float(steps[1] - steps[0]) for steps in (found.right, found.forward) if len(steps) > 1), 0.05)
 
 
 def _mark(axes: Axes, found: BaseMap, place: Place, index: int, marker: str, color: str) -> None:
