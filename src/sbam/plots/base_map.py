@@ -91,7 +91,7 @@ def _draw_cells(
     )
     half = 0.5e3 * _cell(found)
     for row, column in np.argwhere(~found.room[index]):
-        corner = (x[column] - half, y[row] - half)
+        corner = (float(x[column]) - half, float(y[row]) - half)
         axes.add_patch(Rectangle(corner, 2 * half, 2 * half, fill=False, hatch="////", edgecolor=GREY, linewidth=0.0))
     return away, grasps
 
