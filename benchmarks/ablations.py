@@ -33,6 +33,9 @@ PLAN = PlanSettings()
 LEARNING_OFF = {
     "time by start and end only": {"time_alignment": "phase"},
     "time in seconds": {"time_alignment": "seconds"},
+    "time by lifts and places only": {"alignment_events": ()},
+    "time without tilts": {"alignment_events": ("reversal",)},
+    "time without reversals": {"alignment_events": ("tilt",)},
     "one order for all": {"variants": False},
     "no own-start pairs": {"own_start_pairs": False},
     "all pairs": {"pairs": "all"},

@@ -266,3 +266,10 @@ def test_a_demonstration_counts_once(pouring):
         add_demonstration(model, demonstrations[0])
     with pytest.raises(DemonstrationError, match="is in the model already"):
         learn([*demonstrations, demonstrations[1]])
+
+
+@pytest.mark.parametrize("kinds", [(), ("reversal",), ("tilt",), ("reversal", "tilt")])
+def test_time_is_aligned_by_the_events_that_are_asked_for(pouring, rolling, kinds):
+    settings = LearningSettings(alignment_events=kinds)
+    found = {anchor.kind for task in (pouring, rolling) for anchor in learn(task[:3], settings=settings).anchors}
+    assert found == {"start", "lift", "place", "end", *kinds}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from sbam.demonstrations.events import Event, find_events
 from sbam.learning.anchors import align_events, locate_anchors
 from sbam.learning.model import ActionModel
 from sbam.learning.roles import bind_roles
+from sbam.learning.settings import AlignmentEvent
 from sbam.learning.time_alignment import warp
 from sbam.scene import ObjectLibrary, ObjectModel
 
@@ -68,10 +70,11 @@ class PersonMotion:
 def model_anchors(model: ActionModel) -> Anchors:
     """The events that recur in the demonstrations of a model, at their mean times.
 
-    Models that do not align time by events (mode ``paper``) know only start and end; theirs are found anew in what they
-    keep of the demonstrations, and lie on their axis of seconds.
+    Models that do not align time by all events (mode ``paper``: by none) know only some of them; theirs are found anew
+    in what they keep of the demonstrations, and lie on their axis of seconds.
     """
-    if model.settings.time_alignment == "events" or len(model.anchors) > 2:
+    settings = model.settings
+    if settings.time_alignment == "events" and set(settings.alignment_events) == set(get_args(AlignmentEvent)):
         found = model.anchors
         times = np.array([anchor.time for anchor in found])
         return Anchors(tuple(a.kind for a in found), tuple(a.role for a in found), times)

@@ -198,7 +198,9 @@ class _TimeAxis:
 def _time_axis(sketches: Sequence[DemonstrationSketch], settings: LearningSettings) -> _TimeAxis:
     durations = [sketch.duration for sketch in sketches]
     if settings.time_alignment == "events":
-        anchors = align_events([sketch.events for sketch in sketches], durations)
+        kinds = {"lift", "place", *settings.alignment_events}
+        events = [[event for event in sketch.events if event.kind in kinds] for sketch in sketches]
+        anchors = align_events(events, durations)
     else:
         times = np.column_stack([np.zeros(len(durations)), durations])
         anchors = AnchorSet(("start", "end"), (None, None), times)

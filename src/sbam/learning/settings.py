@@ -8,6 +8,7 @@ from typing import Literal, get_args
 from sbam.errors import UnknownNameError
 
 Mode = Literal["default", "paper"]
+AlignmentEvent = Literal["reversal", "tilt"]
 
 
 @dataclass(frozen=True)
@@ -18,6 +19,7 @@ class LearningSettings:
         mode: the weights that the planner gives to the constraints (see `sbam.constraints.ConstraintType`).
         time_alignment: ``events`` maps recurring events (lift, tilt, place...) onto their mean times, ``phase`` only
             start and end, ``seconds`` leaves times as they are.
+        alignment_events: with ``events``, the kinds that count beside lifts and places.
         equalize_strokes: with ``events``, cut whole cycles from demonstrations with more strokes than the median and
             leave out those with fewer.
         variants: with ``events``, plan a scene from those demonstrations alone that take and put back their objects in
@@ -44,6 +46,7 @@ class LearningSettings:
 
     mode: Mode = "default"
     time_alignment: Literal["events", "phase", "seconds"] = "events"
+    alignment_events: tuple[AlignmentEvent, ...] = ("reversal", "tilt")
     equalize_strokes: bool = True
     variants: bool = True
     pairs: Literal["functional", "all"] = "functional"
