@@ -43,7 +43,7 @@ def test_a_robot_that_stands_too_far_is_told_where_to_go(learned, here, coarse, 
     assert report["problems"] == report["sentences"]
     assert capsys.readouterr().err.splitlines() == [f"sbam: {problem}" for problem in report["problems"]]
     assert max(one["miss_m"] for one in report["here"]["miss"]) > 0.01
-    assert report["base"]["forward_m"] in (0.2, 0.4)
+    assert 0.01 < report["base"]["forward_m"] <= 0.4
     assert any(f"--robot {report['base']['robot']}" in sentence for sentence in report["sentences"])
     assert report["picture"] is None
 
