@@ -53,6 +53,7 @@ def test_the_action_waits_for_the_arm_that_passes(crossing):
     rate = np.gradient(clock, time)
     waits = rate < 0.02
     assert waits.sum() > 100
+    assert [note for note in crossing.notes if note.startswith("all else waits ")]
     # Meanwhile one arm moves, and what is carried stands still.
     moving = np.abs(crossing.trajectory.velocity[waits]).max(axis=0)
     assert moving.max() > 0.1
@@ -85,3 +86,4 @@ def test_without_the_other_arm_nothing_waits(small_plan, problem_of):
     shapes = collision_model(small_plan.task, small_plan.robot)
     motion = with_approaches(small_plan.task, small_plan.robot, shapes, held)
     np.testing.assert_allclose(motion.model_time, motion.clock, atol=1e-9)
+    assert motion.notes == ()

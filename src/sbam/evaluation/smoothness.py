@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 OBJECT_MOVES = 0.01  # m/s: a slower object rests
 ARMS_MOVE = 0.01  # rad/s: the norm over all joints of arms that move
-SLOWEST_PACE = 0.01  # of the model's clock per second, below which it stands still
+WAITS = 0.5  # of the median pace of the model's clock, below which one arm waits for the other
 
 
 def path_smoothness(prefix: str, time: Array, path: Array) -> dict[str, float]:
@@ -29,13 +29,15 @@ def path_smoothness(prefix: str, time: Array, path: Array) -> dict[str, float]:
 def joint_smoothness(trajectory: JointTrajectory, clock: Array) -> dict[str, float]:
     """How far the arms move in joint space, how fast at the pace of the demonstrations, and how jerkily.
 
+    That speed is not defined while the action waits for one arm to pass, and leaves it out.
+
     Args:
         trajectory: of all joints; its limits have stretched time.
         clock: (N,) time on the model's axis of its samples, s.
     """
     time, velocity = trajectory.time, trajectory.velocity
     pace = np.gradient(clock, time)
-    moving = pace > SLOWEST_PACE
+    moving = pace > WAITS * np.median(pace)
     jerk = np.gradient(trajectory.acceleration, time, axis=0)
     values = {
         "joints: travel [rad]": float(np.linalg.norm(np.diff(trajectory.position, axis=0), axis=1).sum()),

@@ -42,6 +42,7 @@ class Motion:
         phases: what each hand does when.
         clearance: least distance beyond the wanted one that was found on the ways to and from the objects, m.
         narrowest: (role, hand) whose way that is.
+        notes: a sentence for each time that one arm waits for the other.
     """
 
     clock: Array
@@ -51,6 +52,7 @@ class Motion:
     phases: tuple[Phase, ...]
     clearance: float
     narrowest: tuple[str, Hand] | None
+    notes: tuple[str, ...]
 
 
 def make_motion(
@@ -122,7 +124,16 @@ def _motion(
 ) -> Motion:
     objects = tuple(_on_clock(holding.paths[moved.role], timeline) for moved in task.moved)
     phases = tuple(sorted(timeline.phases, key=lambda phase: (phase.hand, phase.start)))
-    return Motion(timeline.clock, timeline.model_time, timeline.configurations, objects, phases, clearance, narrowest)
+    return Motion(
+        timeline.clock,
+        timeline.model_time,
+        timeline.configurations,
+        objects,
+        phases,
+        clearance,
+        narrowest,
+        timeline.notes,
+    )
 
 
 def _at(model_time: Array, keypoint_times: Array, values: Array) -> Array:

@@ -274,7 +274,7 @@ def _verified(
         T_agent_object=execution.T_agent_object,
         checks=checks,
         problems=(*attempt.missed, *failed(checks)),
-        notes=notes,
+        notes=(*notes, *motion.notes),
         seconds=clock.stop(),
     )
 

@@ -50,12 +50,14 @@ class Timeline:
         model_time: (N,) s on the model's axis at every tick.
         configurations: (N, n) rad or m.
         phases: what each hand does when, as far as it is known.
+        notes: a sentence for each standstill.
     """
 
     first: int
     model_time: Array
     configurations: Array
     phases: tuple[Phase, ...]
+    notes: tuple[str, ...] = ()
 
     @property
     def clock(self) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,7 @@ def with_ways(
             meets = _meeting(task, robot, holding.paths, timeline, moved, hand, arriving)
             at_grasp = holding.configurations[key][0 if arriving else -1]
             way = way_to_grasp(robot, collision, holding.grasps[key], at_grasp, meets, clearance)
-            timeline = _passed(robot, timeline, moved.role, hand, way, arriving)
+            timeline = _passed(robot, timeline, moved, hand, way, arriving)
             if way.clearance < least:
                 least, narrowest = way.clearance, key
     return timeline, least, narrowest
@@ -67,10 +68,14 @@ def _at_object(timeline: Timeline, role: str, hand: Hand, arriving: bool) -> int
     return timeline.index(timeline.phase(hand, role, "place").end)
 
 
-def _passed(robot: Robot, timeline: Timeline, role: str, hand: Hand, way: Way, arriving: bool) -> Timeline:
+def _passed(robot: Robot, timeline: Timeline, moved: MovedObject, hand: Hand, way: Way, arriving: bool) -> Timeline:
     """The timeline with one arm's way, for which all else stands still as long as it needs that."""
+    role = moved.role
     if way.wait:
         timeline = timeline.with_pause(_at_object(timeline, role, hand, arriving), way.wait, arriving, hand)
+        way_there = "on its way to" if arriving else "on its way back from"
+        note = f"all else waits {STEP * way.wait:.1f} s for the {hand} hand {way_there} {moved.name}"
+        timeline = replace(timeline, notes=(*timeline.notes, note))
     values = way.joined if arriving else way.joined[::-1]
     at, length = _at_object(timeline, role, hand, arriving), len(values) - 1
     begin = timeline.first + (at - length if arriving else at)
