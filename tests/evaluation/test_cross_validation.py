@@ -149,10 +149,13 @@ def scheduler(tmp_path: Path) -> Iterator[str]:
             address = client.scheduler.address
         yield address
     finally:
-        for process in reversed(processes):
+        for process in reversed(processes):  # workers first: they say good-bye to the scheduler
             process.terminate()
-        for process in processes:
-            process.wait(10)
+            try:
+                process.wait(10)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
 
 
 def test_a_cluster_does_the_same_work(rolling, scheduler, tmp_path):
