@@ -7,7 +7,8 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.evaluation import random_pouring_scene
 from sbam.planning.avoidance import clearance_term
-from sbam.planning.motion import Motion, make_motion
+from sbam.planning.holding import hold_objects
+from sbam.planning.motion import Motion, with_approaches
 from sbam.planning.plan import Plan, plan
 from sbam.planning.settings import PlanSettings
 from sbam.planning.touching import collision_model
@@ -29,7 +30,8 @@ def test_gradients_predict_distances(small_plan, problem_of):
     times, q = small_plan.task.model.keypoint_times, small_plan.solution.configurations
     shapes = collision_model(small_plan.task, small_plan.robot)
     poses = problem_of(small_plan).state(q).object_poses()
-    motion = make_motion(small_plan.task, small_plan.robot, shapes, small_plan.grasps, times, q, poses)
+    holding = hold_objects(small_plan.task, small_plan.robot, small_plan.grasps, times, q, poses)
+    motion = with_approaches(small_plan.task, small_plan.robot, shapes, holding)
     both = [p for p in motion.phases if p.name == "manipulate"]
     within = (motion.clock > max(p.start for p in both)) & (motion.clock < min(p.end for p in both))
     cut = replace(

@@ -8,8 +8,9 @@ import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.planning.execution import CLOSURE_POSITION, CLOSURE_ROTATION, execute, phase_times
+from sbam.planning.holding import hold_objects
 from sbam.planning.inverse_kinematics import solve_poses
-from sbam.planning.motion import make_motion
+from sbam.planning.motion import with_approaches
 from sbam.planning.plan import Plan
 from sbam.planning.timing import time_path
 from sbam.planning.touching import collision_model
@@ -26,7 +27,9 @@ def rehearsal(problem_of):
         poses = problem_of(plan).state(plan.solution.configurations).object_poses()
         times = plan.task.model.keypoint_times
         shapes = collision_model(plan.task, plan.robot)
-        motion = make_motion(plan.task, plan.robot, shapes, plan.grasps, times, plan.solution.configurations, poses)
+        q = plan.solution.configurations
+        holding = hold_objects(plan.task, plan.robot, plan.grasps, times, q, poses)
+        motion = with_approaches(plan.task, plan.robot, shapes, holding)
         return motion, *time_path(plan.robot, motion.clock, motion.configurations, plan.settings.speed, RATE)
 
     return make

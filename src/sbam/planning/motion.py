@@ -6,9 +6,8 @@ arm has to wait until the other one has passed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +16,7 @@ from scipy.spatial.transform import RigidTransform, Slerp
 
 from sbam.demonstrations.demonstration import Hand
 from sbam.planning.approach import LINE_TIME
-from sbam.planning.demonstrated_shape import DemonstratedShape
-from sbam.planning.grasps import Grasp
-from sbam.planning.holding import Holding, hold_objects, references
+from sbam.planning.holding import Holding, references
 from sbam.planning.object_path import ObjectPath, ease
 from sbam.planning.task import Task
 from sbam.planning.timeline import STEP, Phase, Timeline
@@ -53,38 +50,6 @@ class Motion:
     clearance: float
     narrowest: tuple[str, Hand] | None
     notes: tuple[str, ...]
-
-
-def make_motion(
-    task: Task,
-    robot: Robot,
-    collision: CollisionModel,
-    grasps: Mapping[tuple[str, Hand], Grasp],
-    keypoint_times: Array,
-    configurations: Array,
-    object_poses: Mapping[str, RigidTransform],
-    joints_between: Literal["lines", "splines"] | None = None,
-    shapes: Mapping[str, DemonstratedShape] | None = None,
-) -> Motion:
-    """Make the dense motion from the optimised keypoints.
-
-    Args:
-        task: model bound to a scene.
-        robot: robot standing in the agent frame.
-        collision: shapes of the robot and the scene's objects.
-        grasps: (role, hand) -> grasp.
-        keypoint_times: (K,) s.
-        configurations: (K, n) optimised configurations, which settle the redundancy.
-        object_poses: role -> K poses at the keypoints, agent frame.
-        joints_between: interpolate the joints between keypoints instead of what is wanted: by straight lines, as the
-            paper does, or by monotone cubic splines.
-        shapes: role -> how its object moved in the demonstrations, to be kept between keypoints.
-
-    Raises:
-        UnreachableError: names hand, object, time and joint where the dense motion cannot be followed.
-    """
-    holding = hold_objects(task, robot, grasps, keypoint_times, configurations, object_poses, joints_between, shapes)
-    return with_approaches(task, robot, collision, holding)
 
 
 def with_approaches(
