@@ -22,7 +22,7 @@ import sbam
 from sbam.errors import SbamError
 from sbam.evaluation.executed_motion import flight
 from sbam.evaluation.person import person_motion
-from sbam.planning.object_path import acting_point, object_path, shapes_of
+from sbam.planning.motion.object_path import acting_point, object_path, shapes_of
 from sbam.planning.task import bind
 
 STEP = 0.02  # s

@@ -23,7 +23,7 @@ import sbam
 from sbam.errors import FileFormatError
 from sbam.evaluation import random_pouring_scene, random_rolling_scene
 from sbam.files import write_atomically
-from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
+from sbam.planning.keypoints.solvers.whole_trajectory import solve_whole_trajectory
 
 BASELINE = Path(__file__).with_name("baseline.json")
 WORSE = 0.25  # share by which a time or a memory may grow before it is named

@@ -13,11 +13,11 @@ import numpy as np
 
 import sbam
 from sbam.evaluation import random_pouring_scene
-from sbam.planning.build import build_problem
-from sbam.planning.problem import Problem
+from sbam.planning.keypoints.objective import build_problem
+from sbam.planning.keypoints.problem import Problem
+from sbam.planning.keypoints.terms import Similarity
 from sbam.planning.settings import PlanSettings
 from sbam.planning.task import bind
-from sbam.planning.terms import Similarity
 
 Mode = Literal["default", "paper"]
 

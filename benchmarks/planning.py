@@ -19,12 +19,12 @@ from scipy.optimize import minimize
 
 import sbam
 from sbam.evaluation import random_pouring_scene
-from sbam.planning.problem import Problem
-from sbam.planning.solvers.linearization import evaluate, linearize
-from sbam.planning.solvers.nelder_mead import solve_nelder_mead
-from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
-from sbam.planning.state import State
-from sbam.planning.terms import Smoothing
+from sbam.planning.keypoints.problem import Problem
+from sbam.planning.keypoints.solvers.linearization import evaluate, linearize
+from sbam.planning.keypoints.solvers.nelder_mead import solve_nelder_mead
+from sbam.planning.keypoints.solvers.whole_trajectory import solve_whole_trajectory
+from sbam.planning.keypoints.state import State
+from sbam.planning.keypoints.terms import Smoothing
 
 KEYPOINTS, REPEATS = 30, 7
 NEARLY_EXACT = Smoothing(1e-6, 1e-6, 1e-9)  # SLSQP needs a derivative everywhere

@@ -20,7 +20,7 @@ from sbam.evaluation import (
     random_pouring_scene,
     random_rolling_scene,
 )
-from sbam.planning.base_search import reach_where_it_stands
+from sbam.planning.placement.search import reach_where_it_stands
 
 
 def run(task: str, constraint: str, seed: int, model: sbam.ActionModel, robot: str) -> dict[str, object]:

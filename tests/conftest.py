@@ -4,11 +4,13 @@ import os
 from pathlib import Path
 
 import pytest
+from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.scenes import starting_scene
 from sbam.demonstrations.synthetic import built_in_demonstrations
 from sbam.learning.learn import learn
 from sbam.planning.plan import Plan, plan
+from sbam.robots import Robot, load_robot
 
 REPOSITORY = Path(__file__).parents[1]
 
@@ -27,3 +29,9 @@ def small_plan() -> Plan:
     """Pouring, learned from four of the built-in demonstrations and planned in another scene; not to be changed."""
     model = learn(built_in_demonstrations("pouring")[::3])
     return plan(model, starting_scene("built-in:pouring_new_layout"))
+
+
+@pytest.fixture(scope="session")
+def panda() -> Robot:
+    """The bimanual Panda where it belongs in the agent frame."""
+    return load_robot("panda_dual").placed_for(RigidTransform.identity())

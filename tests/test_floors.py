@@ -10,7 +10,7 @@ import pytest
 
 PACKAGE = Path(__file__).parents[1] / "src" / "sbam"
 
-BASE = {"errors", "files", "schema"}
+BASE = {"errors", "files", "schema", "plain"}
 LEARNING = BASE | {"scene", "demonstrations", "constraints", "learning"}
 PLANNING = LEARNING | {"robots", "planning"}
 ALL = PLANNING | {"simulation", "evaluation", "viewer", "export", "plots"}
@@ -19,6 +19,7 @@ BELOW: Mapping[str, set[str]] = {
     "errors": set(),
     "files": {"errors"},
     "schema": {"errors"},
+    "plain": set(),
     "scene": BASE,
     "demonstrations": BASE | {"scene"},
     "constraints": BASE | {"scene", "demonstrations"},

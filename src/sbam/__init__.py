@@ -29,10 +29,10 @@ if TYPE_CHECKING:  # what type checkers and editors see; at run time each room o
     from sbam.learning.model import ActionModel
     from sbam.learning.model_file import load_model, save_model
     from sbam.learning.settings import LearningSettings
-    from sbam.planning.base_search import search_base
+    from sbam.planning.placement.search import search_base
     from sbam.planning.plan import Plan, plan
     from sbam.planning.settings import PlanSettings
-    from sbam.planning.trajectory import JointTrajectory
+    from sbam.planning.trajectory.trajectory import JointTrajectory
     from sbam.robots.registry import load_robot
     from sbam.robots.robot import Robot
     from sbam.scene.object_library import ObjectLibrary
@@ -63,11 +63,11 @@ _HOME = {
     # planning
     "load_robot": "sbam.robots.registry",
     "plan": "sbam.planning.plan",
-    "search_base": "sbam.planning.base_search",
+    "search_base": "sbam.planning.placement.search",
     "Robot": "sbam.robots.robot",
     "Plan": "sbam.planning.plan",
     "PlanSettings": "sbam.planning.settings",
-    "JointTrajectory": "sbam.planning.trajectory",
+    "JointTrajectory": "sbam.planning.trajectory.trajectory",
     # trying in physics
     "simulate": "sbam.simulation.simulate",
     "replay": "sbam.simulation.simulate",

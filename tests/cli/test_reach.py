@@ -9,7 +9,7 @@ import pytest
 
 import sbam
 from sbam.cli import main
-from sbam.planning.base_search import search_base
+from sbam.planning.placement.search import search_base
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sbam.evaluation.smoothness import joint_smoothness, path_smoothness
-from sbam.planning.trajectory import JointTrajectory
+from sbam.planning.trajectory.trajectory import JointTrajectory
 
 MINIMUM_JERK = np.log(720.0 / 1.875**2)  # Flash & Hogan 1985: integral of jerk^2 is 720 L^2 / D^5, peak 1.875 L / D
 

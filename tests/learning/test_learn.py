@@ -111,8 +111,7 @@ def test_the_model_of_rolling(rolling):
 
 def test_mean_and_std_agree_with_the_aligned_demonstrations(pouring):
     """Oracle: warp every demonstration by its own anchors and take numpy's moments on a grid."""
-    from sbam.learning.anchors import align_events
-    from sbam.learning.time_alignment import warp
+    from sbam.learning.anchors import align_events, warp
 
     demonstrations = pouring[:6]
     model = learn(demonstrations)

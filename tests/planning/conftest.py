@@ -11,11 +11,11 @@ from sbam.demonstrations.scenes import starting_scene
 from sbam.demonstrations.synthetic import BuiltInTask, built_in_demonstrations
 from sbam.learning.learn import learn
 from sbam.learning.model import ActionModel
-from sbam.planning.build import build_problem
-from sbam.planning.free_flight import flying_hands
+from sbam.planning.keypoints.free_flight import flying_hands
+from sbam.planning.keypoints.objective import build_problem
+from sbam.planning.keypoints.problem import Problem
+from sbam.planning.keypoints.state import Carrying, RegionPoint, Workspace
 from sbam.planning.plan import Plan, plan
-from sbam.planning.problem import Problem
-from sbam.planning.state import Carrying, RegionPoint, Workspace
 from sbam.robots import Robot, load_robot
 
 ROBOTS = ("panda_dual", "flying_hands")
@@ -42,11 +42,6 @@ def model_of() -> Callable[..., ActionModel]:
 def robot_named() -> Callable[[str], Robot]:
     """``robot_named(name)``: standing where it belongs in the agent frame."""
     return robot_in_agent_frame
-
-
-@pytest.fixture(scope="session")
-def panda() -> Robot:
-    return robot_in_agent_frame("panda_dual")
 
 
 @pytest.fixture(scope="session")

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sbam.plain import plain
+from sbam.planning.keypoints.terms import Closure, Resting
 from sbam.planning.plan import Plan
-from sbam.planning.report import plain, plan_report
-from sbam.planning.terms import Closure, Resting
+from sbam.planning.report import plan_report
 
 DOCUMENTED = (Path(__file__).parents[2] / "docs" / "reports.md").read_text(encoding="utf-8")
 

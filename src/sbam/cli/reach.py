@@ -32,7 +32,7 @@ class Reach(VerbOptions):
     def __call__(self) -> Report:
         import sbam
         from sbam.console.progress import counting
-        from sbam.planning.base_report import base_report
+        from sbam.planning.placement.report import base_report
 
         roles = pairs("roles", "ROLE=OBJECT", self.roles)
         model = sbam.load_model(self.model)

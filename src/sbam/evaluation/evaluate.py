@@ -21,7 +21,7 @@ from sbam.evaluation.table import Table
 from sbam.evaluation.tables import evaluation_tables
 from sbam.files import write_atomically
 from sbam.learning.settings import LearningSettings
-from sbam.planning.report import plain
+from sbam.plain import plain
 from sbam.planning.settings import PlanSettings
 from sbam.scene import ObjectLibrary
 

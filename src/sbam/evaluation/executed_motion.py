@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.constraints import RegionReference
-from sbam.planning.free_flight import solve_free_flight
-from sbam.planning.object_path import object_path, shapes_of
+from sbam.planning.keypoints.free_flight import solve_free_flight
+from sbam.planning.motion.object_path import object_path, shapes_of
 from sbam.planning.plan import Plan
 from sbam.planning.settings import PlanSettings
 from sbam.planning.task import Task
-from sbam.planning.trajectory import JointTrajectory
+from sbam.planning.trajectory.trajectory import JointTrajectory
 from sbam.robots import HumanLikeness
 
 Array = NDArray[np.float64]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sbam.evaluation.executed_motion import ObjectMotion
 from sbam.evaluation.task_geometry import POUR_TILT, region_path
-from sbam.planning.object_path import acting_point
+from sbam.planning.motion.object_path import acting_point
 
 Array = NDArray[np.float64]
 

@@ -12,11 +12,10 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.events import Event, find_events
-from sbam.learning.anchors import align_events, locate_anchors
+from sbam.learning.anchors import align_events, locate_anchors, warp
 from sbam.learning.model import ActionModel
 from sbam.learning.roles import bind_roles
 from sbam.learning.settings import AlignmentEvent
-from sbam.learning.time_alignment import warp
 from sbam.scene import ObjectLibrary, ObjectModel
 
 Array = NDArray[np.float64]

@@ -1,7 +1,7 @@
 """Random starting scenes, other than any demonstrated one, before a robot at its default place.
 
 They are the same for every robot, so that robots can be compared; not each of them reaches everything
-(`sbam.planning.base_search.reach_where_it_stands` says by how much).
+(`sbam.planning.placement.search.reach_where_it_stands` says by how much).
 """
 
 from __future__ import annotations

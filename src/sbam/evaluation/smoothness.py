@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.demonstrations.signals import even_times, smooth_positions
-from sbam.planning.trajectory import JointTrajectory
+from sbam.planning.trajectory.trajectory import JointTrajectory
 
 Array = NDArray[np.float64]
 

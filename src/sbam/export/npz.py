@@ -33,10 +33,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import FileFormatError, FileVersionError
-from sbam.planning.motion import Phase
+from sbam.plain import plain, pose_dict
+from sbam.planning.motion.motion import Phase
 from sbam.planning.plan import Plan
-from sbam.planning.report import plain, pose_dict
-from sbam.planning.trajectory import JointTrajectory
+from sbam.planning.trajectory.trajectory import JointTrajectory
 
 FORMAT_VERSION = 1
 FILE = "trajectory.npz"

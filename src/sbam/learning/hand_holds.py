@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.demonstrations.demonstration import Hand
-from sbam.learning.anchors import AnchorSet
+from sbam.learning.anchors import AnchorSet, warp
 from sbam.learning.model import HandHold
 from sbam.learning.sketch import DemonstrationSketch, SketchedHold
-from sbam.learning.time_alignment import warp
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.constraints.base import wrap
-from sbam.learning.alignment import align
 from sbam.learning.generalization import GeneralizedChannel
+from sbam.learning.keypoint_matching import align
 from sbam.learning.settings import LearningSettings
 
 Array = NDArray[np.float64]

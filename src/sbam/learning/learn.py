@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sbam.constraints import RegionPair, RegionReference, constraint_type
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.errors import DemonstrationError
-from sbam.learning.anchors import AnchorSet, align_events
+from sbam.learning.anchors import AnchorSet, align_events, warp
 from sbam.learning.binding import (
     Library,
     bind_demonstration,
@@ -30,7 +30,6 @@ from sbam.learning.pairs import pairs_that_move
 from sbam.learning.settings import LearningSettings
 from sbam.learning.sketch import ChannelCandidates, DemonstrationSketch, PairCandidates, sketch_demonstration
 from sbam.learning.stroke_cutting import equalize_sketches
-from sbam.learning.time_alignment import warp
 from sbam.learning.variants import nearest_layout, order_groups
 from sbam.scene.object_library import ObjectLibrary
 

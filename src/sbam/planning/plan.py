@@ -14,27 +14,27 @@ from scipy.spatial.transform import RigidTransform
 from sbam.demonstrations.demonstration import Hand
 from sbam.errors import TrajectoryError, UnreachableError
 from sbam.learning.model import ActionModel
-from sbam.planning.avoidance import keep_clear
-from sbam.planning.build import build_problem, human_likeness_weight
-from sbam.planning.checks import Check, check_receivers, failed
-from sbam.planning.execution import execute, phase_times
-from sbam.planning.free_flight import solve_free_flight
-from sbam.planning.grasp_selection import FollowedGrasp, choose_grasps
-from sbam.planning.grasps import Grasp
-from sbam.planning.holding import Holding, hold_objects
-from sbam.planning.motion import Motion, with_approaches
-from sbam.planning.object_path import shapes_of
-from sbam.planning.reachability import unreached
+from sbam.planning.grasping.candidates import Grasp
+from sbam.planning.grasping.selection import FollowedGrasp, choose_grasps
+from sbam.planning.keypoints.free_flight import solve_free_flight
+from sbam.planning.keypoints.objective import build_problem, human_likeness_weight
+from sbam.planning.keypoints.solvers.result import Solution
+from sbam.planning.keypoints.solvers.sequential import solve_sequentially
+from sbam.planning.keypoints.solvers.whole_trajectory import solve_whole_trajectory
+from sbam.planning.keypoints.unreached import unreached
+from sbam.planning.motion.allowed_contacts import collision_model
+from sbam.planning.motion.avoidance import keep_clear
+from sbam.planning.motion.carrying import Holding, hold_objects
+from sbam.planning.motion.motion import Motion, with_approaches
+from sbam.planning.motion.object_path import shapes_of
+from sbam.planning.motion.timeline import Phase
 from sbam.planning.settings import PlanSettings
-from sbam.planning.solvers.result import Solution
-from sbam.planning.solvers.sequential import solve_sequentially
-from sbam.planning.solvers.whole_trajectory import solve_whole_trajectory
 from sbam.planning.start import start_from
 from sbam.planning.task import Task, bind
-from sbam.planning.timeline import Phase
-from sbam.planning.timing import time_path
-from sbam.planning.touching import collision_model
-from sbam.planning.trajectory import JointTrajectory
+from sbam.planning.trajectory.limits import Check, check_receivers, failed
+from sbam.planning.trajectory.timing import time_path
+from sbam.planning.trajectory.trajectory import JointTrajectory
+from sbam.planning.trajectory.verification import execute, phase_times
 from sbam.robots import Robot, load_robot
 from sbam.robots.collision import CollisionModel
 from sbam.scene import Scene
@@ -210,7 +210,7 @@ def _attempt(
         for joint in np.flatnonzero(robot.frame_joints(robot.arms[hand].tcp_frame)):
             start[:, joint] = np.interp(np.arange(problem.count), checkpoints, followed.configurations[:, joint])
     if settings.solver == "paper":
-        from sbam.planning.solvers.nelder_mead import solve_nelder_mead
+        from sbam.planning.keypoints.solvers.nelder_mead import solve_nelder_mead
 
         solution = solve_nelder_mead(problem, start[0])
     elif settings.solver == "sequential":

@@ -30,10 +30,10 @@ class PlanSettings:
         damping: t_d in mode ``default``: constant weight, 1/m.
         smoothness: coefficient of the squared joint steps between keypoints, 1/rad^2.
         slide_supports: in mode ``default``, whether the places of objects on a support follow where they start as the
-            demonstrations tell; see `sbam.planning.targets.Placement`.
+            demonstrations tell; see `sbam.planning.keypoints.targets.Placement`.
         rigid_length: in mode ``default``, whether pairs within one object are brought to the object's own length.
         proximity: in mode ``default``, spread of a pair that is expected before any demonstration, per distance of its
-            regions; see `sbam.planning.weights`.
+            regions; see `sbam.planning.keypoints.weights`.
         speed: share of the robot's velocity limits that may be used; accelerations scale with its square.
         sample_rate: samples of the emitted trajectory per second, Hz.
         clearance: distance that arms and carried objects must keep from what they must not touch, m; it is checked.

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from sbam.errors import ConfigurationError, UnknownNameError
-from sbam.planning.state import planning_limits
 from sbam.robots import Robot
+from sbam.robots.limits import planning_limits
 
 
 def start_from(robot: Robot, joints: Mapping[str, float]) -> tuple[Robot, tuple[str, ...]]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sbam.planning.base_search import BaseMap, Place
+from sbam.planning.placement.search import BaseMap, Place
 from sbam.plots.planning import draw_outline
 from sbam.plots.style import BLUE, GREY, LIGHT, PURPLE, new_figure
 
@@ -25,7 +25,7 @@ def plot_base_map(found: BaseMap) -> Figure:
     Hatched: the base would stand in something.
 
     Args:
-        found: the result of `sbam.planning.base_search.search_base`.
+        found: the result of `sbam.planning.placement.search.search_base`.
     """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionPair, RegionReference, constraint_type
-from sbam.learning.anchors import locate_anchors
+from sbam.learning.anchors import locate_anchors, warp
 from sbam.learning.generalization import GeneralizedChange, pair_vector
 from sbam.learning.sketch import DemonstrationSketch, constraint_values
-from sbam.learning.time_alignment import warp
 from sbam.planning.plan import Plan
 from sbam.plots.learning import channel_grid, draw_channel, legend_below
 from sbam.plots.style import BLUE, GREEN, GREY, LIGHT, ORANGE, PURPLE, RED, SHOWN, SKY, new_figure

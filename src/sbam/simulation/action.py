@@ -13,7 +13,7 @@ from sbam.demonstrations.demonstration import Demonstration, Hand
 from sbam.demonstrations.scenes import scene_from_demonstration
 from sbam.errors import SimulationError
 from sbam.planning.plan import Plan
-from sbam.planning.trajectory import JointTrajectory
+from sbam.planning.trajectory.trajectory import JointTrajectory
 from sbam.robots import Robot
 from sbam.scene import ObjectLibrary, Scene
 

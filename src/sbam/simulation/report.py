@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sbam.planning.report import plain
+from sbam.plain import plain
 from sbam.simulation.holding import FINGER_FRICTION
 from sbam.simulation.simulate import SimulationResult
 

@@ -12,6 +12,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import SimulationError
 from sbam.robots.composition import OBJECT_PREFIX, pose_arrays
+from sbam.robots.lighting import light
 from sbam.robots.robot import Robot
 from sbam.scene import support_height
 from sbam.simulation.action import Action
@@ -22,7 +23,6 @@ from sbam.simulation.materials import SUPPORT, physics_options
 from sbam.simulation.record import Record
 from sbam.simulation.tasks.base import Task
 from sbam.simulation.world import GUIDE, add_object, set_robot_contacts
-from sbam.viewer.playback import light
 
 if TYPE_CHECKING:
     import mujoco

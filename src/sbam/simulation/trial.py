@@ -17,8 +17,8 @@ from sbam.errors import RenderingError, SbamError
 from sbam.evaluation import random_pouring_scene, random_rolling_scene
 from sbam.learning.learn import learn
 from sbam.learning.model import ActionModel, Mode
+from sbam.plain import plain
 from sbam.planning.plan import Plan, plan
-from sbam.planning.report import plain
 from sbam.planning.settings import PlanSettings
 from sbam.scene import Scene
 from sbam.simulation.simulate import SimulationResult, simulate

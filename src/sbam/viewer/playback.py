@@ -12,13 +12,13 @@ from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 from sbam.planning.plan import Plan
 from sbam.robots.collision_pairs import hand_bodies
 from sbam.robots.composition import OBJECT_PREFIX, add_objects, compile_spec, pose_arrays
+from sbam.robots.lighting import light
 from sbam.scene import AffordanceRegion, upright_rotation
 
 Array = NDArray[np.float64]
 
 STAND_RADIUS = 0.09
 FLOOR_GAP = 0.002
-LARGEST_PICTURE = 2048  # pixels
 STAND_COLOR = (0.35, 0.37, 0.40, 1.0)
 
 
@@ -160,37 +160,6 @@ class Playback:
             for joint in range(self.model.njnt)
             if int(self.model.jnt_bodyid[joint]) in bodies and int(self.model.jnt_qposadr[joint]) not in planned
         ]
-
-
-def light(spec: mujoco.MjSpec, T_world_agent: RigidTransform) -> None:
-    """A bright background, one lamp that casts shadows and a weaker one from the other side."""
-    spec.visual.global_.offwidth = spec.visual.global_.offheight = LARGEST_PICTURE
-    spec.visual.quality.shadowsize = 2048
-    spec.visual.headlight.ambient = [0.36, 0.36, 0.36]
-    spec.visual.headlight.diffuse = [0.26, 0.26, 0.26]
-    spec.visual.headlight.specular = [0.0, 0.0, 0.0]
-    spec.add_texture(
-        name="sky",
-        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=[0.97, 0.98, 1.0],
-        rgb2=[0.80, 0.84, 0.88],
-        width=64,
-        height=384,
-    )
-    for position, diffuse, shadow in (((-1.2, 2.2, 2.6), 0.42, True), ((1.6, -0.8, 2.0), 0.2, False)):
-        direction = np.array([0.0, 0.35, 0.1]) - position
-        spec.worldbody.add_light(
-            type=mujoco.mjtLightType.mjLIGHT_SPOT,
-            pos=T_world_agent.apply(position),
-            dir=T_world_agent.rotation.apply(direction / np.linalg.norm(direction)),
-            cutoff=50,
-            exponent=1,
-            diffuse=[diffuse] * 3,
-            ambient=[0.0] * 3,
-            specular=[0.1] * 3,
-            castshadow=shadow,
-        )
 
 
 def ellipse_rotation(region: AffordanceRegion) -> Rotation:

@@ -14,9 +14,9 @@ from sbam.errors import FileFormatError
 from sbam.files import write_atomically
 from sbam.robots import Robot
 from sbam.robots.composition import compile_spec
+from sbam.robots.lighting import light
 from sbam.viewer.camera import VIEWS
 from sbam.viewer.pictures import open_offscreen
-from sbam.viewer.playback import light
 
 AXES = ((0.85, 0.1, 0.1, 1.0), (0.1, 0.65, 0.1, 1.0), (0.15, 0.25, 0.9, 1.0))  # red x, green y, blue z
 AXIS_SIZE = (0.008, 0.008, 0.2)  # m

@@ -1,0 +1,361 @@
+"""Choose the grasps with which the whole action can be done, in pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform
+
+from sbam.demonstrations.demonstration import Hand
+from sbam.errors import UnreachableError
+from sbam.planning.grasping.candidates import Grasp, candidate_grasps
+from sbam.planning.task import MovedObject, Task
+from sbam.robots import HumanLikeness, Robot
+from sbam.robots.collision import CollisionModel
+from sbam.robots.inverse_kinematics import solve_poses
+
+Array = NDArray[np.float64]
+
+RANDOM_NEAR_HOME = 3  # starts home + N(0, 0.5)
+RANDOM_STARTS = 4  # starts anywhere within the limits
+ENOUGH = 60  # grasps that work; random starts are not spent on the others then
+NEAR_LIMIT = 0.05  # rad: postures nearer to a limit rank lower
+FOLLOW = 48  # grasps that are followed through the action at once, the most promising first
+EXAMINE = 48  # best grasps of each hand whose clearance is measured
+KEEP = 24  # best grasps of each hand that are combined
+COMBINATIONS = 60  # combinations whose clearance is measured at once, the best first
+MOST = 4  # times that
+ENOUGH_CLEAR = 6  # combinations that keep clear; more are not looked for
+HUMAN = 0.7  # score per unit of the weighted t_h
+COMFORTABLE = 0.03  # m: more clearance than this is not better
+
+
+@dataclass(frozen=True)
+class FollowedGrasp:
+    """A grasp with which one arm can follow its object through all checkpoints.
+
+    Attributes:
+        grasp: the grasp.
+        configurations: (M, n) at the checkpoints; only the arm's joints count.
+        score: lower is better.
+    """
+
+    grasp: Grasp
+    configurations: Array
+    score: float
+
+
+def follow_grasps(
+    robot: Robot,
+    collision: CollisionModel,
+    moved: MovedObject,
+    hand: Hand,
+    poses: RigidTransform,
+    seed: int = 0,
+    human_likeness: float = 0.0,
+) -> list[FollowedGrasp]:
+    """All candidate grasps of one hand that work at every checkpoint, best first.
+
+    Inverse kinematics is started from eight postures at the hardest checkpoint, the one of largest tilt, and goes
+    outwards both ways from what is found there.
+
+    Args:
+        robot: robot standing in the agent frame.
+        collision: shapes of the robot and the scene's objects.
+        moved: the object.
+        hand: the hand.
+        poses: M poses of the object at the checkpoints, agent frame, in order of time.
+        seed: of the random starts.
+        human_likeness: weight of the posture's distance from a person's.
+
+    Raises:
+        UnreachableError: if none works; says which checkpoint and how near the best came.
+    """
+    grasps = candidate_grasps(robot, collision, moved, hand)
+    joints = np.flatnonzero(robot.frame_joints(robot.arms[hand].tcp_frame))
+    checkpoints, count = len(poses), len(grasps)
+    T_object_tcp = np.array([grasp.T_object_tcp.as_matrix() for grasp in grasps])
+    T_agent_tcp = poses.as_matrix() @ T_object_tcp[:, None]  # (G, M, 4, 4)
+    position, rotation = T_agent_tcp[..., :3, 3], T_agent_tcp[..., :3, :3]
+    hardest = int(np.argmax((poses.rotation * moved.start.rotation.inv()).magnitude()))
+
+    q, reached, nearest = _at_hardest(robot, hand, position[:, hardest], rotation[:, hardest], seed)
+    posture = _Posture(robot, hand, human_likeness)
+    cost = _limit_cost(robot, q, joints) + 0.1 * np.abs(q - robot.home)[..., joints].max(-1) + posture.cost(q)
+    rank = np.where(reached, cost, np.inf)
+    first = q[np.arange(count), rank.argmin(axis=1)]
+    reachable = np.flatnonzero(reached.any(axis=1))
+    promise = rank.min(axis=1)[reachable] + 0.5 * np.array([grasps[g].human_distance for g in reachable])
+    path = np.empty((count, checkpoints, q.shape[-1]))
+    failed_at = np.full(count, hardest)
+    works = np.zeros(count, dtype=bool)
+    for batch in np.array_split(reachable[np.argsort(promise)], range(FOLLOW, len(reachable), FOLLOW)):
+        path[batch], failed_at[batch] = _outwards(
+            robot, hand, joints, position[batch], rotation[batch], first[batch], hardest
+        )
+        works[batch] = failed_at[batch] < 0
+        if works.sum() >= KEEP:
+            break
+    if not works.any():
+        hard = int(np.bincount(failed_at, minlength=checkpoints).argmax())
+        where = "where it is tilted most" if hard == hardest else f"{hard / (checkpoints - 1):.0%} on its way"
+        missed = f" (the nearest misses by {1e3 * nearest:.0f} mm)" if not reached.any() else ""
+        raise UnreachableError(
+            f"{robot.name}'s {hand} hand can hold {moved.name!r} with none of {count} grasps through the whole action; "
+            f"most fail {where}{missed}; `sbam reach` says where the robot or the objects would have to be"
+        )
+    return sorted(
+        (
+            FollowedGrasp(
+                grasps[g], path[g], _score(robot, grasps[g], path[g], joints) + float(posture.cost(path[g]).mean())
+            )
+            for g in np.flatnonzero(works)
+        ),
+        key=lambda followed: followed.score,
+    )
+
+
+def _outwards(
+    robot: Robot,
+    hand: Hand,
+    joints: NDArray[np.int_],
+    position: Array,
+    rotation: Array,
+    first: Array,
+    hardest: int,
+) -> tuple[Array, NDArray[np.int_]]:
+    """Follow G paths of M poses of one hand from one checkpoint to both ends.
+
+    Returns:
+        Configurations (G, M, n) and the checkpoint at which each path breaks (G,), -1 where it does not.
+    """
+    count, checkpoints = position.shape[:2]
+    path = np.empty((count, checkpoints, first.shape[-1]))
+    path[:, hardest] = first
+    failed_at = np.full(count, -1)
+    for step in range(1, checkpoints):
+        ends = [m for m in (hardest - step, hardest + step) if 0 <= m < checkpoints]
+        alive = np.flatnonzero(failed_at < 0)
+        if not ends or len(alive) == 0:
+            break
+        grasp, m = np.tile(alive, len(ends)), np.repeat(ends, len(alive))
+        before = path[grasp, m - np.sign(m - hardest)]
+        solution = solve_poses(
+            robot, [hand], position[grasp, m, None], rotation[grasp, m, None], before, pull=(3e-2, 1e-3)
+        )
+        path[grasp, m] = solution.configurations
+        jump = np.abs(solution.configurations - before)[:, joints].max(axis=1)
+        broken = ~(solution.reached() & (jump < 1.5))
+        failed_at[grasp[broken]] = m[broken]
+    return path, failed_at
+
+
+class _Posture:
+    """What an arm's distance from a person's posture adds to a score."""
+
+    def __init__(self, robot: Robot, hand: Hand, weight: float) -> None:
+        self._robot, self._weight = robot, weight
+        self._arm = list(robot.arms).index(hand)
+        self._human = HumanLikeness(robot) if weight > 0.0 else None
+
+    def cost(self, configurations: Array) -> Array:
+        """(...) of configurations (..., n)."""
+        shape = configurations.shape[:-1]
+        if self._human is None:
+            return np.zeros(shape)
+        flat = configurations.reshape(-1, configurations.shape[-1])
+        residual = self._human.residual(self._robot.kinematics(flat, self._human.frames))
+        own = residual.reshape(len(flat), len(self._robot.arms), -1)[:, self._arm]
+        return HUMAN * self._weight * 0.5 * np.square(own).sum(axis=1).reshape(shape)
+
+
+def _at_hardest(
+    robot: Robot, hand: Hand, position: Array, rotation: Array, seed: int
+) -> tuple[Array, NDArray[np.bool_], float]:
+    """Solve G poses of one hand from all starts; the random ones only where the others do not reach.
+
+    Returns:
+        Configurations (G, S, n), which of them reach (G, S), and the smallest position error, m.
+    """
+    starts = _starts(robot, hand, seed)
+    count, known = len(position), len(starts) - RANDOM_NEAR_HOME - RANDOM_STARTS
+    q = np.tile(starts, (count, 1, 1))
+    reached = np.zeros((count, len(starts)), dtype=bool)
+    nearest = np.inf
+    for tried in (slice(0, known), slice(known, len(starts))):
+        left = np.flatnonzero(~reached.any(axis=1))
+        if len(left) == 0 or count - len(left) >= ENOUGH:
+            break
+        begin = starts[tried]
+        solution = solve_poses(
+            robot,
+            [hand],
+            np.repeat(position[left], len(begin), axis=0)[:, None],
+            np.repeat(rotation[left], len(begin), axis=0)[:, None],
+            np.tile(begin, (len(left), 1)),
+            pull=(3e-2, 1e-3),
+        )
+        near = robot.turned_near(solution.configurations, robot.home)  # no turn more than needed
+        q[left, tried] = near.reshape(len(left), len(begin), -1)
+        reached[left, tried] = solution.reached().reshape(len(left), len(begin))
+        nearest = min(nearest, float(solution.position_error.min()))
+    return q, reached, nearest
+
+
+def _starts(robot: Robot, hand: Hand, seed: int) -> Array:
+    """Eight postures and the description's seeds, (S, n)."""
+    generator = np.random.default_rng(seed)
+    home = robot.clip(robot.home)
+    lower = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
+    upper = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
+    near = robot.clip(home + 0.5 * generator.standard_normal((RANDOM_NEAR_HOME, len(home))))
+    anywhere = generator.uniform(lower, upper, (RANDOM_STARTS, len(home)))
+    arm = robot.arms[hand]
+    seeds = np.tile(home, (len(arm.ik_seeds), 1))
+    seeds[:, arm.joint_indices] = arm.ik_seeds
+    return np.concatenate([home[None], seeds, near, anywhere])
+
+
+def _limit_cost(robot: Robot, q: Array, joints: NDArray[np.int_]) -> Array:
+    """How much postures press against the joint limits, (...,)."""
+    room = np.minimum(q - robot.lower, robot.upper - q)[..., joints].min(axis=-1)
+    return np.maximum(0.0, 1.0 - room / NEAR_LIMIT)
+
+
+def _score(robot: Robot, grasp: Grasp, path: Array, joints: NDArray[np.int_]) -> float:
+    jump = float(np.abs(np.diff(path, axis=0))[:, joints].max(initial=0.0))
+    travel = float(np.abs(np.diff(path, axis=0))[:, joints].sum(axis=1).mean()) if len(path) > 1 else 0.0
+    limits = float(_limit_cost(robot, path, joints).max())
+    return jump + 0.5 * travel + limits + 0.5 * grasp.human_distance
+
+
+def choose_grasps(
+    task: Task,
+    robot: Robot,
+    collision: CollisionModel,
+    poses: Mapping[str, RigidTransform],
+    times: Array,
+    seed: int = 0,
+    human_likeness: float = 0.0,
+) -> list[dict[tuple[str, Hand], FollowedGrasp]]:
+    """Combinations of grasps for all hands, best first.
+
+    Each grasp works by itself at all checkpoints from its object's lift to its place; the combinations are ranked by
+    the clearance that arms, hands and objects keep from each other there. An arm that holds nothing is at home.
+
+    Args:
+        task: model bound to a scene.
+        robot: robot standing in the agent frame.
+        collision: shapes of the robot and the scene's objects.
+        poses: role -> M poses at the checkpoints, agent frame.
+        times: (M,) of the checkpoints, model's time axis, s.
+        seed: of the random starts.
+        human_likeness: lambda_h, by which grasps are preferred that let the arm take a person's posture.
+
+    Returns:
+        (role, hand) -> grasp, the best `COMBINATIONS` of them.
+
+    Raises:
+        UnreachableError: if a hand finds no grasp.
+    """
+    keys: list[tuple[MovedObject, Hand]] = [(moved, hand) for moved in task.moved for hand in moved.hands]
+    held = {moved.role: _held(moved, times) for moved in task.moved}
+    options = []
+    for moved, hand in keys:
+        during = held[moved.role]
+        on_way = poses[moved.role][during]
+        followed = follow_grasps(robot, collision, moved, hand, on_way, seed, human_likeness)[:EXAMINE]
+        followed = [replace(item, configurations=_spread(item.configurations, during)) for item in followed]
+        configurations = np.array([_merged(robot, [(moved, hand)], [item], held) for item in followed])
+        clearance = _clearances(
+            task, collision, configurations, poses, held, ("self", "arm-support", "arm-object", "palm-object")
+        )
+        scored = [replace(item, score=item.score + _penalty(c)) for item, c in zip(followed, clearance, strict=True)]
+        options.append(sorted(scored, key=lambda item: item.score)[:KEEP])
+    combinations = sorted(product(*options), key=lambda items: sum(item.score for item in items))
+    if len(keys) == 1:
+        combinations = combinations[:COMBINATIONS]
+    else:
+        combinations = _by_arms_clearance(task, robot, collision, keys, combinations, poses, held)
+    return [
+        {(moved.role, hand): item for (moved, hand), item in zip(keys, items, strict=True)} for items in combinations
+    ]
+
+
+def _by_arms_clearance(
+    task: Task,
+    robot: Robot,
+    collision: CollisionModel,
+    keys: Sequence[tuple[MovedObject, Hand]],
+    combinations: Sequence[tuple[FollowedGrasp, ...]],
+    poses: Mapping[str, RigidTransform],
+    held: Mapping[str, NDArray[np.bool_]],
+) -> list[tuple[FollowedGrasp, ...]]:
+    """The combinations ranked with the clearance between the arms; goes on until enough of them keep clear."""
+    scores: list[float] = []
+    clear = 0
+    while clear < ENOUGH_CLEAR and len(scores) < min(len(combinations), MOST * COMBINATIONS):
+        some = combinations[len(scores) : len(scores) + COMBINATIONS]
+        configurations = np.array([_merged(robot, keys, items, held) for items in some])
+        clearance = _clearances(task, collision, configurations, poses, held, ("arm-arm",))
+        scores += [sum(i.score for i in items) + _penalty(c) for items, c in zip(some, clearance, strict=True)]
+        clear += int((clearance >= 0.0).sum())
+    return [combinations[i] for i in np.argsort(scores)[:COMBINATIONS]]
+
+
+def _held(moved: MovedObject, times: Array) -> NDArray[np.bool_]:
+    """(M,) at which checkpoints an object is held: from the last one before its lift to the first after its place."""
+    first = max(int(np.searchsorted(times, moved.lift, side="right")) - 1, 0)
+    last = min(int(np.searchsorted(times, moved.place)), len(times) - 1)
+    index = np.arange(len(times))
+    return (index >= first) & (index <= last)
+
+
+def _spread(configurations: Array, during: NDArray[np.bool_]) -> Array:
+    """(M, n) at all checkpoints of what is known at some that follow each other: held on before and after them."""
+    return configurations[np.clip(np.cumsum(during) - 1, 0, len(configurations) - 1)]
+
+
+def _merged(
+    robot: Robot,
+    keys: Sequence[tuple[MovedObject, Hand]],
+    items: Sequence[FollowedGrasp],
+    held: Mapping[str, NDArray[np.bool_]],
+) -> Array:
+    """(M, n) configurations of all hands together; of those that hold nothing at home."""
+    configurations = np.tile(robot.home, (len(items[0].configurations), 1))
+    for (moved, hand), item in zip(keys, items, strict=True):
+        joints = robot.frame_joints(robot.arms[hand].tcp_frame)
+        configurations = np.where(held[moved.role][:, None] & joints, item.configurations, configurations)
+    return configurations
+
+
+def _clearances(
+    task: Task,
+    collision: CollisionModel,
+    configurations: Array,
+    poses: Mapping[str, RigidTransform],
+    held: Mapping[str, NDArray[np.bool_]],
+    kinds: Sequence[str],
+) -> Array:
+    """(G,) smallest distance of the given classes over all checkpoints of (G, M, n) configurations, m."""
+    grasps, checkpoints, joints = configurations.shape
+    every = np.tile(np.arange(checkpoints), grasps)
+    objects = dict(task.T_agent_object)
+    objects.update({moved.name: poses[moved.role][every] for moved in task.moved})
+    by_hand: dict[tuple[str, Hand], NDArray[np.bool_]] = {
+        (moved.name, hand): held[moved.role][every] for moved in task.moved for hand in moved.hands
+    }
+    report = collision.clearances(
+        configurations.reshape(-1, joints), objects, by_hand, COMFORTABLE, motions=grasps, classes=kinds
+    )
+    return np.min([report.distance_by_class[kind] for kind in kinds], axis=0)
+
+
+def _penalty(clearance: float) -> float:
+    """What a small clearance adds to the score: little while there is some, much where things touch."""
+    return max(0.0, 1.0 - clearance / COMFORTABLE) + (10.0 + 100.0 * -clearance if clearance < 0 else 0.0)

@@ -1,0 +1,27 @@
+"""Objective terms, one a file: residual and derivative over all keypoints at once."""
+
+from sbam.planning.keypoints.terms.base import EXACT, Smoothing, Term
+from sbam.planning.keypoints.terms.clearance import Clearance
+from sbam.planning.keypoints.terms.damping import Damping
+from sbam.planning.keypoints.terms.human_likeness import HumanLikeness
+from sbam.planning.keypoints.terms.natural_joints import NaturalJoints
+from sbam.planning.keypoints.terms.requirements import Closure, Resting
+from sbam.planning.keypoints.terms.rows import NormalEquations, Rows
+from sbam.planning.keypoints.terms.similarity import Similarity
+from sbam.planning.keypoints.terms.smoothness import Smoothness
+
+__all__ = [
+    "EXACT",
+    "Clearance",
+    "Closure",
+    "Damping",
+    "HumanLikeness",
+    "NaturalJoints",
+    "NormalEquations",
+    "Resting",
+    "Rows",
+    "Similarity",
+    "Smoothing",
+    "Smoothness",
+    "Term",
+]

@@ -1,0 +1,86 @@
+"""What an objective term is."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.planning.keypoints.state import State
+from sbam.planning.keypoints.terms.rows import JointRows, Rows
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Smoothing:
+    """How kinks of the objective are rounded while a solver is on its way; all zero is the exact objective.
+
+    Attributes:
+        similarity: a group's norm becomes sqrt(s + similarity^2), in units of the weighted residual.
+        damping: the same for damping terms, whose norm is exactly zero at many optima.
+        rho: the azimuth's radius becomes sqrt(rho^2 + rho_smoothing^2), m.
+    """
+
+    similarity: float = 0.0
+    damping: float = 0.0
+    rho: float = 0.0
+
+
+EXACT = Smoothing()
+
+
+class Term(ABC):
+    """One term of the objective over all K keypoints at once.
+
+    The residual comes in G groups of m rows. With ``loss = "norm"`` each group contributes its Euclidean norm (the
+    paper's t_s and t_d are sums of norms), with ``loss = "square"`` half its squared norm.
+    """
+
+    name: ClassVar[str]
+    loss: ClassVar[Literal["norm", "square"]] = "square"
+    couples_neighbours: ClassVar[bool] = False
+    # A requirement is a constraint posed as a stiff penalty: it is met, not traded, and no part of the objective.
+    is_requirement: ClassVar[bool] = False
+
+    @abstractmethod
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, G, m) residual; zero is perfect."""
+
+    @abstractmethod
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, G, m, n) derivative of the residual with respect to the keypoint's own configuration."""
+
+    def previous_jacobian(self, state: State) -> Array:
+        """(K, G, m, n) derivative with respect to the previous keypoint's configuration; row 0 is not used."""
+        raise TypeError(f"term {self.name!r} does not couple neighbours")
+
+    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+        """The linearised residual, given its value and smoothed norm at the state, for solvers."""
+        count, joints = state.configurations.shape
+        previous = None
+        if self.couples_neighbours and count > 1:
+            previous = self.previous_jacobian(state)[1:].reshape(count - 1, -1, joints)
+        return JointRows(residual, norm, self.jacobian(state, smoothing).reshape(count, -1, joints), previous)
+
+    @abstractmethod
+    def groups(self) -> tuple[str, ...]:
+        """Names of the G groups, for reports."""
+
+    @abstractmethod
+    def at(self, keypoint: int, previous: State | None) -> Term:
+        """The term at one keypoint alone, K = 1, given the solved previous keypoint (None at the first)."""
+
+    def epsilon(self, smoothing: Smoothing) -> float:
+        """The part of the smoothing that applies to this term's norms."""
+        return smoothing.similarity
+
+    def cost(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, G) contribution of each group at each keypoint to the objective."""
+        squared = np.square(self.residual(state, smoothing)).sum(axis=-1)
+        if self.loss == "square":
+            return 0.5 * squared
+        return np.sqrt(squared + self.epsilon(smoothing) ** 2)

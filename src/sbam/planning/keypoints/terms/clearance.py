@@ -1,0 +1,83 @@
+"""Arms and what they carry keep a distance from what they must not touch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from sbam.planning.keypoints.state import State
+from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+
+SCALE = 2e-3  # m: soft beside `Resting` and `Closure`, which it must not bend where a distance cannot be had
+
+
+@dataclass(frozen=True)
+class Clearance(Term):
+    """max(0, margin - distance) / SCALE for pairs of shapes that were near at a linearisation point.
+
+    A pair was near at a moment between the keypoints k - 1 and k; moving these keypoints changes its distance by
+    ``gradient . ((1 - fraction) dq_(k-1) + fraction dq_k)``, as in sequential convex optimisation of trajectories
+    (Schulman et al. 2014). Shorter lists are filled up with infinite distances.
+
+    Attributes:
+        configurations: (K, n) the linearisation point.
+        distance: (K, G) of the pairs in the interval that ends at each keypoint, m; negative in penetration.
+        fraction: (K, G) share of the interval that has passed.
+        gradient: (K, G, n) of the distance with respect to the configuration at that moment, m/rad.
+        margin: the distance wanted, m.
+    """
+
+    name: ClassVar[str] = "clearance"
+    couples_neighbours: ClassVar[bool] = True
+    is_requirement: ClassVar[bool] = True
+
+    configurations: Array
+    distance: Array
+    fraction: Array
+    gradient: Array
+    margin: float
+
+    def _missing(self, state: State) -> Array:
+        """(K, G) m that the linearised distances fall short of the margin; negative where they do not."""
+        step = state.configurations - self.configurations
+        before = np.concatenate([np.zeros_like(step[:1]), step[:-1]])
+        change = (1.0 - self.fraction) * np.matvec(self.gradient, before)
+        change += self.fraction * np.matvec(self.gradient, step)
+        return self.margin - self.distance - change
+
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, G, 1) missing distances in scales."""
+        return np.maximum(self._missing(state), 0.0)[..., None] / SCALE
+
+    def _slope(self, state: State, share: Array) -> Array:
+        active = self._missing(state) > 0.0
+        return (-np.where(active, share, 0.0)[..., None] * self.gradient / SCALE)[..., None, :]
+
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, G, 1, n)."""
+        return self._slope(state, self.fraction)
+
+    def previous_jacobian(self, state: State) -> Array:
+        """(K, G, 1, n)."""
+        return self._slope(state, 1.0 - self.fraction)
+
+    def groups(self) -> tuple[str, ...]:
+        """Numbers of the pairs within an interval."""
+        return tuple(str(i) for i in range(self.distance.shape[1]))
+
+    def at(self, keypoint: int, previous: State | None) -> Clearance:
+        """The term at one keypoint, the previous configuration being a constant."""
+        k = slice(keypoint, keypoint + 1)
+        distance = self.distance[k]
+        if previous is not None:
+            moved = previous.configurations[-1] - self.configurations[keypoint - 1]
+            distance = distance + (1.0 - self.fraction[k]) * (self.gradient[k] @ moved)
+        return replace(
+            self,
+            configurations=self.configurations[k],
+            distance=distance,
+            fraction=self.fraction[k],
+            gradient=self.gradient[k],
+        )

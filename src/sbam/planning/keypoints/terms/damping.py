@@ -1,0 +1,65 @@
+"""t_d: objects should not move without reason."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from sbam.planning.keypoints.state import State
+from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.rows import Rows, VectorRows
+
+
+@dataclass(frozen=True)
+class Damping(Term):
+    """t_d(theta) = sum over carried objects of w'_o |p_o - p_o(previous keypoint)| (paper, section III-D).
+
+    Attributes:
+        objects: (O,) roles of the carried objects, in the workspace's order.
+        weight: (K, O) 1/m.
+        start: (O, 3) origins before the first keypoint, agent frame, m.
+    """
+
+    name: ClassVar[str] = "damping"
+    loss: ClassVar[Literal["norm", "square"]] = "norm"
+    couples_neighbours: ClassVar[bool] = True
+
+    objects: tuple[str, ...]
+    weight: Array
+    start: Array
+
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, O, 3) weighted steps."""
+        position = state.object_position
+        previous = np.concatenate([self.start[None], position[:-1]])
+        return self.weight[..., None] * (position - previous)
+
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, O, 3, n)."""
+        return self.weight[..., None, None] * state.object_jacobian
+
+    def previous_jacobian(self, state: State) -> Array:
+        """(K, O, 3, n)."""
+        jacobian = state.object_jacobian
+        shifted = np.concatenate([np.zeros_like(jacobian[:1]), jacobian[:-1]])
+        return -self.weight[..., None, None] * shifted
+
+    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+        """The linearised residual; see `VectorRows`."""
+        slope = self.weight[..., None, None] * np.eye(3)
+        return VectorRows(residual, norm, slope, state.object_jacobian, coupled=True)
+
+    def groups(self) -> tuple[str, ...]:
+        """The objects' roles."""
+        return self.objects
+
+    def at(self, keypoint: int, previous: State | None) -> Damping:
+        """The term at one keypoint, the previous object positions being constants."""
+        start = self.start if previous is None else previous.object_position[-1]
+        return Damping(self.objects, self.weight[keypoint : keypoint + 1], start)
+
+    def epsilon(self, smoothing: Smoothing) -> float:
+        """Damping has its own smoothing: its norm is exactly zero at many optima."""
+        return smoothing.damping

@@ -1,0 +1,48 @@
+"""t_h in joint space: the arms' joints that a person's posture would give."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from sbam.planning.keypoints.state import State
+from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.robots.natural_joints import NaturalJoints as Posture
+
+
+@dataclass(frozen=True)
+class NaturalJoints(Term):
+    """t_h(theta) = lambda sum over arms of SOA_q, SOA_q = |W (q* - q)| (paper, section III-D, as reconstructed).
+
+    Attributes:
+        weight: lambda_h.
+        posture: the robot's reconstruction of SOA_q in joint space.
+        arms: names of the arms.
+    """
+
+    name: ClassVar[str] = "human-likeness"
+    loss: ClassVar[Literal["norm", "square"]] = "norm"
+
+    weight: float
+    posture: Posture
+    arms: tuple[str, ...]
+
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, A, 5) weighted differences of the joints."""
+        residual = self.posture.residual(state.kinematics, state.configurations)
+        return self.weight * residual.reshape(len(residual), len(self.arms), -1)
+
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, A, 5, n)."""
+        jacobian = self.posture.jacobian(state.kinematics)
+        return self.weight * jacobian.reshape(len(jacobian), len(self.arms), -1, np.shape(jacobian)[-1])
+
+    def groups(self) -> tuple[str, ...]:
+        """The arms."""
+        return self.arms
+
+    def at(self, keypoint: int, previous: State | None) -> NaturalJoints:
+        """The same term: it knows no keypoint."""
+        return self

@@ -1,0 +1,141 @@
+"""Requirements: what must hold exactly, posed as stiff quadratic terms.
+
+A relative pose is scaled by a length and an angle far below any tolerance, so that the terms that are traded against
+each other cannot move it visibly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sbam.planning.keypoints.state import State
+from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.rows import JointRows, Rows
+from sbam.robots.rotation_error import left_jacobian_inverse, rotation_error
+
+POSITION_SCALE = 2e-4  # m: a pull of 1 per 5 mm, the strongest learned one, moves the pose by less than 0.01 mm
+ROTATION_SCALE = 2e-3  # rad
+
+
+def _pose_residual(position: Array, position_target: Array, rotation: Array, rotation_target: Array) -> Array:
+    translation = (position - position_target) / POSITION_SCALE
+    return np.concatenate([translation, rotation_error(rotation, rotation_target) / ROTATION_SCALE], axis=-1)
+
+
+@dataclass(frozen=True)
+class Resting(Term):
+    """A carried object stands still while it is not to be moved: before its lift and after it is put down.
+
+    Attributes:
+        objects: (O,) roles of the carried objects, in the workspace's order.
+        resting: (K, O) where the requirement applies.
+        position: (K, O, 3) origins where the objects rest, agent frame, m.
+        rotation: (K, O, 3, 3) their orientations, agent frame.
+    """
+
+    name: ClassVar[str] = "resting"
+    is_requirement: ClassVar[bool] = True
+
+    objects: tuple[str, ...]
+    resting: NDArray[np.bool_]
+    position: Array
+    rotation: Array
+
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, O, 6) scaled pose differences, zero where the object may move."""
+        still = self.resting
+        residual = np.zeros((*still.shape, 6))
+        residual[still] = _pose_residual(
+            state.object_position[still], self.position[still], state.object_rotation[still], self.rotation[still]
+        )
+        return residual
+
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, O, 6, n)."""
+        still = self.resting
+        error = rotation_error(state.object_rotation[still], self.rotation[still])
+        jacobian = self._jacobian(state)
+        jacobian[still, 3:] = left_jacobian_inverse(error) @ jacobian[still, 3:]
+        return jacobian
+
+    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+        """The linearised residual, with the rotations' errors v as if they were angular displacements.
+
+        The true derivative has a factor J_l^-1: J_l^-T v = v leaves the gradient exact, and the matrix differs by
+        terms of second order in v, which is tiny where this requirement is met.
+        """
+        jacobian = self._jacobian(state)
+        return JointRows(residual, norm, jacobian.reshape(len(residual), -1, jacobian.shape[-1]), None)
+
+    def _jacobian(self, state: State) -> Array:
+        """(K, O, 6, n) scaled linear and angular velocities of what rests, per joint velocity."""
+        moving = state.object_jacobian
+        jacobian = np.empty((*moving.shape[:2], 6, moving.shape[-1]))
+        np.multiply(moving, (self.resting / POSITION_SCALE)[..., None, None], out=jacobian[..., :3, :])
+        np.multiply(
+            state.object_rotation_jacobian, (self.resting / ROTATION_SCALE)[..., None, None], out=jacobian[..., 3:, :]
+        )
+        return jacobian
+
+    def groups(self) -> tuple[str, ...]:
+        """The objects' roles."""
+        return self.objects
+
+    def at(self, keypoint: int, previous: State | None) -> Resting:
+        """The term at one keypoint."""
+        k = slice(keypoint, keypoint + 1)
+        return Resting(self.objects, self.resting[k], self.position[k], self.rotation[k])
+
+
+@dataclass(frozen=True)
+class Closure(Term):
+    """The second hand keeps its grasp of an object that the first hand carries (the loop is closed).
+
+    Attributes:
+        carrying: index of the carrying whose object is held by both hands.
+        arm: index of the second arm in the workspace.
+        position: (3,) the second TCP in the object's frame, m.
+        rotation: (3, 3) its orientation in the object's frame.
+    """
+
+    name: ClassVar[str] = "closure"
+    is_requirement: ClassVar[bool] = True
+
+    carrying: int
+    arm: int
+    position: Array
+    rotation: Array
+
+    def _wanted(self, state: State) -> tuple[Array, Array]:
+        rotation = state.object_rotation[:, self.carrying]
+        return state.object_position[:, self.carrying] + rotation @ self.position, rotation @ self.rotation
+
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, 1, 6) scaled difference of the second TCP from its grasp."""
+        position, rotation = self._wanted(state)
+        k = state.kinematics
+        return _pose_residual(k.position[:, self.arm], position, k.rotation[:, self.arm], rotation)[:, None]
+
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, 1, 6, n)."""
+        position, rotation = self._wanted(state)
+        holder, arm = state.workspace.arm_of[[self.carrying]], np.array([self.arm])
+        own = state.kinematics.position[:, [self.arm]]
+        linear = state.point_jacobian(own, arm) - state.point_jacobian(position[:, None], holder)
+        # error = log(R R*^T): an angular displacement of R acts from the left, one of R* through -R R*^T.
+        difference = state.kinematics.rotation[:, self.arm] @ np.swapaxes(rotation, -1, -2)
+        inverse = left_jacobian_inverse(rotation_error(state.kinematics.rotation[:, self.arm], rotation))[:, None]
+        angular = state.angular_jacobian(arm) - difference[:, None] @ state.angular_jacobian(holder)
+        return np.concatenate([linear / POSITION_SCALE, inverse @ angular / ROTATION_SCALE], axis=-2)
+
+    def groups(self) -> tuple[str, ...]:
+        """One group."""
+        return (self.name,)
+
+    def at(self, keypoint: int, previous: State | None) -> Closure:
+        """The same term: it knows no keypoint."""
+        return self

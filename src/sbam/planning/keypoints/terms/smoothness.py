@@ -1,0 +1,62 @@
+"""Small steps of the joints between keypoints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from sbam.planning.keypoints.state import State
+from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.rows import Rows, StepRows
+
+
+@dataclass(frozen=True)
+class Smoothness(Term):
+    """c sum_k |q_k - q_(k-1)|^2: settles redundancy and avoids branch switches; not in the paper.
+
+    Attributes:
+        coefficient: c, 1/rad^2 (or 1/m^2).
+        start: (n,) configuration before the first keypoint, or None to leave the first one free.
+    """
+
+    name: ClassVar[str] = "smoothness"
+    couples_neighbours: ClassVar[bool] = True
+
+    coefficient: float
+    start: Array | None = None
+
+    @property
+    def _scale(self) -> float:
+        return float(np.sqrt(2.0 * self.coefficient))
+
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, 1, n) scaled steps."""
+        q = state.configurations
+        first = q[:1] if self.start is None else self.start[None]
+        return self._scale * (q - np.concatenate([first, q[:-1]]))[:, None, :]
+
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
+        """(K, 1, n, n)."""
+        count, joints = state.configurations.shape
+        jacobian = np.zeros((count, 1, joints, joints))
+        jacobian[0 if self.start is not None else 1 :] = self._scale * np.eye(joints)
+        return jacobian
+
+    def previous_jacobian(self, state: State) -> Array:
+        """(K, 1, n, n)."""
+        count, joints = state.configurations.shape
+        return np.broadcast_to(-self._scale * np.eye(joints), (count, 1, joints, joints))
+
+    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+        """The linearised residual; see `StepRows`."""
+        return StepRows(residual, norm, self._scale, self.start is not None)
+
+    def groups(self) -> tuple[str, ...]:
+        """One group."""
+        return (self.name,)
+
+    def at(self, keypoint: int, previous: State | None) -> Smoothness:
+        """The term at one keypoint, the previous configuration being a constant."""
+        return Smoothness(self.coefficient, self.start if previous is None else previous.configurations[-1])

@@ -1,0 +1,168 @@
+"""What the hands do while they hold objects, before their ways to and from them are known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import pchip_interpolate
+from scipy.ndimage import gaussian_filter1d
+from scipy.spatial.transform import RigidTransform
+
+from sbam.demonstrations.demonstration import Hand
+from sbam.planning.grasping.candidates import Grasp
+from sbam.planning.motion.demonstrated_shape import DemonstratedShape
+from sbam.planning.motion.object_path import EASING, SMOOTHING, ObjectPath, object_path
+from sbam.planning.motion.timeline import STEP, Phase, Timeline
+from sbam.planning.task import MovedObject, Task
+from sbam.robots import Robot
+from sbam.robots.follow import follow
+
+Array = NDArray[np.float64]
+
+MARGIN = 25  # ticks
+CLOSING_TIME = 0.3  # s in which the fingers close before the lift and open after the place
+
+
+@dataclass(frozen=True)
+class Holding:
+    """Every hand from its grasp to its release.
+
+    Attributes:
+        grasps: (role, hand) -> grasp.
+        keypoint_times: (K,) s.
+        torso: (K, m) the torso's joints at the keypoints.
+        paths: role -> path of its object at every tick from before the lift to after the place.
+        configurations: (role, hand) -> (M, n) from lift to place.
+        timeline: all of them together; before its grasp and after its release a hand stays there.
+    """
+
+    grasps: Mapping[tuple[str, Hand], Grasp]
+    keypoint_times: Array
+    torso: Array
+    paths: Mapping[str, ObjectPath]
+    configurations: Mapping[tuple[str, Hand], Array]
+    timeline: Timeline
+
+
+def hold_objects(
+    task: Task,
+    robot: Robot,
+    grasps: Mapping[tuple[str, Hand], Grasp],
+    keypoint_times: Array,
+    configurations: Array,
+    object_poses: Mapping[str, RigidTransform],
+    joints_between: Literal["lines", "splines"] | None = None,
+    shapes: Mapping[str, DemonstratedShape] | None = None,
+) -> Holding:
+    """Bring the hands from lift to place along the optimised keypoints.
+
+    Args:
+        task: model bound to a scene.
+        robot: robot standing in the agent frame.
+        grasps: (role, hand) -> grasp.
+        keypoint_times: (K,) s.
+        configurations: (K, n) optimised configurations, which settle the redundancy.
+        object_poses: role -> K poses at the keypoints, agent frame.
+        joints_between: interpolate the joints between keypoints instead of what is wanted: by straight lines, as the
+            paper does, or by monotone cubic splines.
+        shapes: role -> how its object moved in the demonstrations, to be kept between keypoints.
+
+    Raises:
+        UnreachableError: names hand, object, time and joint where the dense motion cannot be followed.
+    """
+    shapes = shapes or {}
+    configurations = _with_steady_torso(task, robot, keypoint_times, configurations)
+    paths: dict[str, ObjectPath] = {}
+    holds: dict[tuple[str, Hand], Array] = {}
+    for moved in task.moved:
+        ticks, poses = _hold_clock(moved), object_poses[moved.role]
+        path = object_path(task, moved, keypoint_times, poses, _longer(ticks), shapes.get(moved.role))
+        paths[moved.role] = path
+        for hand in moved.hands:
+            hold: Array
+            if joints_between == "splines":
+                hold = np.asarray(pchip_interpolate(keypoint_times, configurations, ticks))
+            elif joints_between == "lines":
+                hold = np.stack([np.interp(ticks, keypoint_times, column) for column in configurations.T], axis=-1)
+            else:
+                pose = path.pose[MARGIN:-MARGIN]
+                hold = _hold(robot, moved, grasps[moved.role, hand], keypoint_times, configurations, pose)
+            holds[moved.role, hand] = hold
+    torso = configurations[:, robot.torso_indices]
+    return Holding(grasps, keypoint_times, torso, paths, holds, _timeline(task, robot, holds))
+
+
+def _with_steady_torso(task: Task, robot: Robot, keypoint_times: Array, configurations: Array) -> Array:
+    """The keypoints with a torso that moves only while all objects are held: what one hand does to it both feel."""
+    if len(robot.torso_indices) == 0 or not task.moved:
+        return configurations
+    lift, place = max(moved.lift for moved in task.moved), min(moved.place for moved in task.moved)
+    inside = keypoint_times[(keypoint_times > lift + EASING) & (keypoint_times < place - EASING)]
+    steady = np.clip(keypoint_times, inside[0], inside[-1]) if len(inside) else np.full(len(keypoint_times), lift)
+    result = configurations.copy()
+    for joint in robot.torso_indices:
+        result[:, joint] = np.interp(steady, keypoint_times, configurations[:, joint])
+    return result
+
+
+def references(keypoint_times: Array, values: Array, time: Array) -> Array:
+    """Keypoint values (K, m) between keypoints, at even times (N,) and without corners, (N, m)."""
+    between = np.empty((len(time), values.shape[1]))
+    for index, column in enumerate(values.T):
+        between[:, index] = np.interp(time, keypoint_times, column)
+    return gaussian_filter1d(between, SMOOTHING / STEP, axis=0, mode="nearest")
+
+
+def _hold_clock(moved: MovedObject) -> Array:
+    """The clock's ticks from just before the lift to just after the place."""
+    return STEP * np.arange(np.floor(moved.lift / STEP), np.ceil(moved.place / STEP) + 1.0, dtype=np.float64)
+
+
+def _longer(clock: Array) -> Array:
+    """A hold's clock with `MARGIN` more ticks at both ends.
+
+    What is smoothed over them equals, on the hold, what is smoothed over the whole clock.
+    """
+    more = STEP * np.arange(1, MARGIN + 1)
+    return np.concatenate([clock[0] - more[::-1], clock, clock[-1] + more])
+
+
+def _hold(
+    robot: Robot,
+    moved: MovedObject,
+    grasp: Grasp,
+    keypoint_times: Array,
+    configurations: Array,
+    pose: RigidTransform,
+) -> Array:
+    """Configurations (M, n) of one arm that keep its grasp of the object on every tick of `_hold_clock`."""
+    clock = _hold_clock(moved)
+    tcp = pose * grasp.T_object_tcp
+    clipped = np.clip(_longer(clock), moved.lift, moved.place)
+    reference = references(keypoint_times, configurations, clipped)[MARGIN:-MARGIN]
+    torso = references(keypoint_times, configurations[:, robot.torso_indices], _longer(clock))
+    reference[:, robot.torso_indices] = torso[MARGIN:-MARGIN]
+    solved = follow(robot, grasp.hand, tcp, reference, f"holding {moved.name!r}", clock)
+    return solved
+
+
+def _timeline(task: Task, robot: Robot, holds: Mapping[tuple[str, Hand], Array]) -> Timeline:
+    """Every hand from grasp to release; before and after it stays there."""
+    closing = round(CLOSING_TIME / STEP)
+    lifts = {moved.role: round(_hold_clock(moved)[0] / STEP) for moved in task.moved}
+    places = {moved.role: round(_hold_clock(moved)[-1] / STEP) for moved in task.moved}
+    first, last = min(lifts.values()) - closing, max(places.values()) + closing
+    ticks = np.arange(first, last + 1)
+    path = np.tile(robot.clip(robot.home), (len(ticks), 1))
+    phases: list[Phase] = []
+    for (role, hand), hold in holds.items():
+        joints = np.flatnonzero(robot.frame_joints(robot.arms[hand].tcp_frame))
+        path[:, joints] = hold[np.clip(ticks - lifts[role], 0, len(hold) - 1)][:, joints]
+        time = STEP * np.array([lifts[role] - closing, lifts[role], places[role], places[role] + closing])
+        names = ("grasp", "manipulate", "place")
+        phases += [Phase(hand, name, float(time[i]), float(time[i + 1]), role) for i, name in enumerate(names)]
+    return Timeline(first, STEP * ticks.astype(np.float64), path, tuple(phases))
