@@ -1,8 +1,10 @@
 """Fixtures shared by all tests."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform
 
@@ -35,3 +37,16 @@ def small_plan() -> Plan:
 def panda() -> Robot:
     """The bimanual Panda where it belongs in the agent frame."""
     return load_robot("panda_dual").placed_for(RigidTransform.identity())
+
+
+@pytest.fixture(scope="session")
+def within_limits() -> Callable[..., np.ndarray]:
+    """``within_limits(robot, generator, count, share)``: random configurations, (count, n)."""
+
+    def configurations(robot: Robot, generator: np.random.Generator, count: int, share: float = 0.9) -> np.ndarray:
+        lower = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
+        upper = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
+        middle, half = 0.5 * (lower + upper), 0.5 * share * (upper - lower)
+        return generator.uniform(middle - half, middle + half, (count, len(lower)))
+
+    return configurations

@@ -61,19 +61,6 @@ def problem_of() -> Callable[..., Problem]:
     return build
 
 
-@pytest.fixture(scope="session")
-def within_limits() -> Callable[..., np.ndarray]:
-    """``within_limits(robot, generator, count, share)``: random configurations, (count, n)."""
-
-    def configurations(robot: Robot, generator: np.random.Generator, count: int, share: float = 0.9) -> np.ndarray:
-        lower = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
-        upper = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
-        middle, half = 0.5 * (lower + upper), 0.5 * share * (upper - lower)
-        return generator.uniform(middle - half, middle + half, (count, len(lower)))
-
-    return configurations
-
-
 @pytest.fixture(params=ROBOTS)
 def workspace(request: pytest.FixtureRequest) -> Workspace:
     """Each hand carries an object at a random pose in it; two regions a hand, two that stand still."""
