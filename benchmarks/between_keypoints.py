@@ -22,8 +22,8 @@ import sbam
 from sbam.errors import SbamError
 from sbam.evaluation.executed_motion import flight
 from sbam.evaluation.person import person_motion
+from sbam.planning.bind import bind
 from sbam.planning.motion.object_path import acting_point, object_path, shapes_of
-from sbam.planning.task import bind
 
 STEP = 0.02  # s
 
@@ -50,14 +50,14 @@ def compare(demonstrations: Sequence[sbam.Demonstration], left_out: int) -> dict
     for method in ("poses", "primitive"):
         shapes = shapes_of(task) if method == "primitive" else {}
         executed = flight(task, sbam.PlanSettings(between=method))
-        samples = np.searchsorted(executed.clock, clock).clip(0, len(executed.clock) - 1)
+        samples = np.searchsorted(executed.model_time, clock).clip(0, len(executed.model_time) - 1)
         for moved in task.moved:
             role, point = moved.role, acting_point(task, moved)
             lift, place = person.poses_at(person.aligned(np.array([moved.lift, moved.place])))[role]
             theirs = replace(moved, start=lift, put_down=place)
             joined = object_path(task, theirs, model.keypoint_times, did_at[role], clock, shapes.get(role)).pose
             rows.setdefault(("own keypoints", method), []).append(differences(did[role], joined, point))
-            went = executed.T_agent_object[role][samples]
+            went = executed.T_agent_object[task.binding[role]][samples]
             rows.setdefault(("executed", method), []).append(differences(did[role], went, point))
     return rows
 

@@ -13,11 +13,12 @@ import numpy as np
 
 import sbam
 from sbam.evaluation import random_pouring_scene
+from sbam.planning.bind import bind
 from sbam.planning.keypoints.objective import build_problem
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.terms import Similarity
 from sbam.planning.settings import PlanSettings
-from sbam.planning.task import bind
+from sbam.planning.start import in_agent_frame
 
 Mode = Literal["default", "paper"]
 
@@ -56,7 +57,9 @@ def problem_of(constraint: str, mode: Mode, seed: int, keypoints: int = 30) -> t
     times = np.linspace(0.0, model.duration, keypoints)
     grasps = {key: grasp.T_object_tcp for key, grasp in plan.grasps.items()}
     task = bind(model, random_pouring_scene(seed))
-    return build_problem(task, plan.robot, grasps, PlanSettings(), times), plan.solution.configurations[0]
+    return build_problem(task, in_agent_frame(plan.robot), grasps, PlanSettings(), times), plan.solution.configurations[
+        0
+    ]
 
 
 def with_pairs(problem: Problem, count: int) -> Problem:

@@ -4,6 +4,7 @@ import ast
 import inspect
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 
 import sbam
 from sbam.demonstrations.scenes import starting_scene
-from sbam.errors import DemonstrationError, UnknownNameError
+from sbam.errors import DemonstrationError, SbamError, UnknownNameError
 
 SOURCE = Path(sbam.__file__)
 
@@ -109,3 +110,44 @@ def test_unknown_objects_are_left_out_of_a_scene_only_if_they_never_move() -> No
     del models["milk_small"]
     with pytest.raises(UnknownNameError, match="'milk_small'"):
         sbam.scene_from_demonstration(demonstration, sbam.ObjectLibrary(models))
+
+
+def test_files_and_names_serve_wherever_what_they_hold_does(tmp_path: Path) -> None:
+    model = sbam.learn("built-in:pouring")
+    assert [one.name for one in model.demonstrations] == [one.name for one in sbam.load("built-in:pouring")]
+    sbam.save_model(model, tmp_path / "pouring.json")
+    sbam.save_scene(sbam.load_scene("built-in:pouring_new_layout"), tmp_path / "scene.yaml")
+    hands = Path(sbam.__file__).parent / "robots" / "models" / "flying_hands.yaml"
+    by_name = sbam.plan(tmp_path / "pouring.json", "built-in:pouring_new_layout", hands)
+    by_file = sbam.plan(str(tmp_path / "pouring.json"), tmp_path / "scene.yaml", str(hands))
+    assert by_name.ok and by_file.ok
+    np.testing.assert_allclose(by_name.solution.configurations, by_file.solution.configurations, atol=1e-6)
+    with pytest.raises(SbamError, match=r"nowhere.json"):
+        sbam.plan(tmp_path / "nowhere.json", "built-in:pouring_new_layout")
+    recording = tmp_path / "one.npz"
+    sbam.write_demonstration(sbam.load("built-in:rolling")[0], recording)
+    assert sbam.learn([recording]).demonstrations[0].name == "synthetic_rolling_0"
+    assert len(sbam.add_demonstration(sbam.learn(recording), "built-in:synthetic_rolling_1").demonstrations) == 2
+
+
+def test_a_mode_beside_settings_of_another_one_is_refused() -> None:
+    settings = sbam.LearningSettings.paper()
+    with pytest.raises(SbamError, match=r"'mode' is 'default'; expected 'paper' as in the settings"):
+        sbam.learn("built-in:rolling", mode="default", settings=settings)
+    assert sbam.learn(sbam.load("built-in:rolling")[:1], settings=settings).mode == "paper"
+
+
+def test_what_is_large_says_in_one_line_what_it_is(small_plan) -> None:
+    model, demonstration = small_plan.task.model, sbam.load("built-in:pouring")[0]
+    for thing, words in (
+        (demonstration, (demonstration.name, "apple_juice", "frames", "left and right hands")),
+        (model, (model.name, "cartesian", "demonstrations", "keypoints")),
+        (small_plan, (small_plan.robot.name, small_plan.task.scene.name, "checks passed")),
+        (replace(small_plan, problems=("late", "long")), ("2 problems",)),
+    ):
+        line, table = repr(thing), thing._repr_html_()
+        assert len(line) < 200 and "\n" not in line
+        assert all(word in line for word in words)
+        assert table.startswith("<table>") and len(table) < 5000
+    odd = replace(demonstration, name="<b>&")
+    assert "<b>" not in odd._repr_html_() and "&lt;b&gt;&amp;" in odd._repr_html_()

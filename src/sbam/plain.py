@@ -1,8 +1,9 @@
-"""Poses and arrays as plain data for reports: what JSON can say."""
+"""Poses and arrays as plain data for reports: what JSON can say, and what notebooks show."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -34,3 +35,11 @@ def plain(value: Any) -> Any:
     if isinstance(value, Sequence | set | frozenset):
         return [plain(item) for item in value]
     raise TypeError(f"{type(value).__name__} has no place in a report")
+
+
+def html_summary(title: str, rows: Mapping[str, object]) -> str:
+    """A small table for notebooks: a title, and a row for each name and value."""
+    body = "".join(
+        f"<tr><th style='text-align:left'>{escape(k)}</th><td>{escape(str(v))}</td></tr>" for k, v in rows.items()
+    )
+    return f"<table><caption>{escape(title)}</caption>{body}</table>"

@@ -33,7 +33,7 @@ def test_plan_writes_trajectory_and_report(learned, here, capsys) -> None:
 
 
 def test_a_plan_that_fails_is_written_only_if_wanted(learned, here, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("sbam.planning.plan.ATTEMPTS", 1)
+    monkeypatch.setattr("sbam.planning.search.ATTEMPTS", 1)
     robot = Path(shutil.copytree(ROBOTS["panda_dual"].parent, here / "robot"), "panda_dual.yaml")
     robot.write_text(re.sub(r"torque: *[0-9.]+", "torque: 1.0", robot.read_text()))  # too weak for its own arms
     plan = ["plan", str(learned), "--scene", "built-in:pouring_new_layout", "--robot", str(robot), "-o", "out"]

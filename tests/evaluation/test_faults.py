@@ -18,10 +18,10 @@ def motion(small_plan):
 
 
 def moved_bottle(motion, offset, turn=None):
-    pose = motion.T_agent_object["pour_from"]
+    pose = motion.T_agent_object["apple_juice"]
     turn = Rotation.identity() if turn is None else turn
     changed = RigidTransform.from_components(pose.translation + offset, turn * pose.rotation)
-    return replace(motion, T_agent_object={**motion.T_agent_object, "pour_from": changed})
+    return replace(motion, T_agent_object={**motion.T_agent_object, "apple_juice": changed})
 
 
 def test_a_good_execution_has_neither(motion, small_plan):
@@ -34,7 +34,7 @@ def test_a_good_execution_has_neither(motion, small_plan):
 def test_an_abrupt_move_at_the_end(motion):
     """The bottle runs away at 700 mm/s of the demonstration's time from the last but one keypoint on."""
     last = motion.task.model.keypoint_times[-2]
-    away = np.clip(motion.clock - last, 0.0, 0.1)[:, None] * [0.7, 0.0, 0.0]
+    away = np.clip(motion.model_time - last, 0.0, 0.1)[:, None] * [0.7, 0.0, 0.0]
     faults = measure_faults(moved_bottle(motion, away))
     assert faults[END] >= 0.9 * 700
     assert faults[BEFORE] == pytest.approx(measure_faults(motion)[BEFORE])
@@ -48,8 +48,8 @@ def test_stretching_time_changes_nothing(motion):
 def test_a_carton_tilted_beside_the_cup(motion):
     """Shifted aside by more than the rim, all of its pouring is beside; the time is that of the tilt."""
     bottle = motion.task.scene.objects[motion.task.binding["pour_from"]]
-    tilted = motion.T_agent_object["pour_from"].rotation.apply(bottle.up)[:, 2] < 0.5
-    expected = np.gradient(motion.clock)[tilted].sum()
+    tilted = motion.T_agent_object["apple_juice"].rotation.apply(bottle.up)[:, 2] < 0.5
+    expected = np.gradient(motion.model_time)[tilted].sum()
     assert expected > 0.5
     assert measure_faults(moved_bottle(motion, [0.2, 0.0, 0.0]))[BESIDE] == pytest.approx(expected)
 
@@ -64,8 +64,8 @@ def rolling():
     from sbam.demonstrations.synthetic import built_in_demonstrations
     from sbam.evaluation.executed_motion import flight
     from sbam.learning.learn import learn
+    from sbam.planning.bind import bind
     from sbam.planning.settings import PlanSettings
-    from sbam.planning.task import bind
 
     model = learn(built_in_demonstrations("rolling")[::4])
     return flight(bind(model, starting_scene("built-in:rolling")), PlanSettings())

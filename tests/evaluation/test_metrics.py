@@ -12,8 +12,8 @@ from sbam.evaluation.executed_motion import ExecutedMotion, executed_plan, fligh
 from sbam.evaluation.metrics import PairDistances, measures, pair_distances, paper_pairs
 from sbam.evaluation.person import PersonMotion, model_anchors, person_motion
 from sbam.learning.learn import learn
+from sbam.planning.bind import bind
 from sbam.planning.settings import PlanSettings
-from sbam.planning.task import bind
 from sbam.scene import ObjectLibrary
 
 LIBRARY = ObjectLibrary.built_in()
@@ -33,8 +33,8 @@ def copied() -> tuple[ExecutedMotion, PersonMotion]:
         task=task,
         keypoint_poses={role: at_keypoints[role] for role in roles},
         time=clock,
-        clock=clock,
-        T_agent_object={role: dense[role] for role in roles},
+        model_time=clock,
+        T_agent_object={task.binding[role]: dense[role] for role in roles},
         objective=0.0,
         human_deviation=None,
         trajectory=None,
@@ -45,10 +45,11 @@ def copied() -> tuple[ExecutedMotion, PersonMotion]:
 
 def changed(motion: ExecutedMotion, role: str, change) -> ExecutedMotion:
     """The motion with all poses of one object changed."""
+    name = motion.task.binding[role]
     return replace(
         motion,
         keypoint_poses={**motion.keypoint_poses, role: change(motion.keypoint_poses[role])},
-        T_agent_object={**motion.T_agent_object, role: change(motion.T_agent_object[role])},
+        T_agent_object={**motion.T_agent_object, name: change(motion.T_agent_object[name])},
     )
 
 
@@ -117,9 +118,7 @@ def test_relevance_weighs_agreement():
 def test_the_spread_is_that_of_the_training(copied):
     motion, person = copied
     shift = RigidTransform.from_translation([0.02, 0.0, 0.0])
-    other = replace(
-        person, T_agent_object={**person.T_agent_object, "pour_from": shift * person.T_agent_object["pour_from"]}
-    )
+    other = replace(person, T_agent_role={**person.T_agent_role, "pour_from": shift * person.T_agent_role["pour_from"]})
     for pair in pair_distances(motion, person, [person, other]):
         expected = 20.0 / np.sqrt(2.0) if pair.pair.count("of pour_from") == 1 else 0.0
         assert np.asarray(pair.spread) == pytest.approx(expected, abs=1e-6)
@@ -128,9 +127,9 @@ def test_the_spread_is_that_of_the_training(copied):
 def test_a_motion_that_jerks_is_less_smooth(copied):
     motion, person = copied
     smooth = measures(motion, person)["pour_into: log dimensionless jerk"]
-    shake = 0.005 * np.sin(2 * np.pi * 4.0 * motion.clock)
-    pose = RigidTransform.from_translation(shake[:, None] * [1.0, 0.0, 0.0]) * motion.T_agent_object["pour_into"]
-    shaken = replace(motion, T_agent_object={**motion.T_agent_object, "pour_into": pose})
+    shake = 0.005 * np.sin(2 * np.pi * 4.0 * motion.model_time)
+    pose = RigidTransform.from_translation(shake[:, None] * [1.0, 0.0, 0.0]) * motion.T_agent_object["cup_large"]
+    shaken = replace(motion, T_agent_object={**motion.T_agent_object, "cup_large": pose})
     assert measures(shaken, person)["pour_into: log dimensionless jerk"] > smooth + 1.0
 
 
@@ -147,8 +146,12 @@ def test_a_plan_is_executed_as_it_was_optimised(small_plan):
     motion = executed_plan(small_plan)
     # At keypoints where nothing rests the dense motion passes through the optimised poses, but for rounded corners.
     for role, poses in motion.keypoint_poses.items():
-        assert poses[0].translation == pytest.approx(motion.T_agent_object[role][0].translation, abs=1e-3)
-        assert poses[-1].translation == pytest.approx(motion.T_agent_object[role][-1].translation, abs=1e-3)
+        assert poses[0].translation == pytest.approx(
+            motion.T_agent_object[motion.task.binding[role]][0].translation, abs=1e-3
+        )
+        assert poses[-1].translation == pytest.approx(
+            motion.T_agent_object[motion.task.binding[role]][-1].translation, abs=1e-3
+        )
     assert motion.human_deviation is not None
     assert 0.0 < motion.human_deviation < 180.0
 

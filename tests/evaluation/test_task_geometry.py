@@ -21,10 +21,11 @@ def rolling() -> Plan:
 
 def spoilt(made: Plan, role: str, change, where=slice(None)) -> Plan:
     """The plan with poses (a selection of samples) of one object changed."""
-    pose = made.T_agent_object[role]
+    name = made.task.binding[role]
+    pose = made.T_agent_object[name]
     matrices = pose.as_matrix().copy()
     matrices[where] = change(pose[where]).as_matrix()
-    return replace(made, T_agent_object={**made.T_agent_object, role: RigidTransform.from_matrix(matrices)})
+    return replace(made, T_agent_object={**made.T_agent_object, name: RigidTransform.from_matrix(matrices)})
 
 
 def shifted(by):
@@ -32,7 +33,7 @@ def shifted(by):
 
 
 def tilt_deg(made: Plan) -> np.ndarray:
-    up = made.T_agent_object["pour_from"].rotation.apply([0.0, 1.0, 0.0])
+    up = made.T_agent_object["apple_juice"].rotation.apply([0.0, 1.0, 0.0])
     return np.degrees(np.arccos(np.clip(up[:, 2], -1.0, 1.0)))
 
 
@@ -43,8 +44,8 @@ def test_a_good_pouring(small_plan):
     tilt = tilt_deg(small_plan)
     assert measure.values["largest tilt [deg]"] == pytest.approx(tilt.max())
     assert measure.values["tilted for [s]"] == pytest.approx(1e-3 * (tilt > 60.0).sum())
-    spout = small_plan.T_agent_object["pour_from"].apply([0.0, 0.245, 0.0])
-    rim = small_plan.T_agent_object["pour_into"].apply([0.0, 0.130, 0.0])
+    spout = small_plan.T_agent_object["apple_juice"].apply([0.0, 0.245, 0.0])
+    rim = small_plan.T_agent_object["cup_large"].apply([0.0, 0.130, 0.0])
     aside = np.hypot(*(spout - rim)[tilt > 60.0, :2].T)
     assert measure.values["mouth aside, worst [mm]"] == pytest.approx(1e3 * aside.max())
 
@@ -76,7 +77,7 @@ def test_a_spout_too_high_or_too_low(small_plan, by):
 
 def test_a_bottle_that_is_not_tilted(small_plan):
     def upright(pose):
-        start = small_plan.T_agent_object["pour_from"][0].rotation
+        start = small_plan.T_agent_object["apple_juice"][0].rotation
         return RigidTransform.from_components(pose.translation, Rotation.concatenate([start] * len(pose)))
 
     measure = measure_pouring(spoilt(small_plan, "pour_from", upright))
@@ -114,7 +115,7 @@ def test_a_good_rolling(rolling):
 
 
 def middle_of_motion(made: Plan) -> slice:
-    count = len(made.clock)
+    count = len(made.model_time)
     return slice(count // 3, 2 * count // 3)
 
 
@@ -127,7 +128,7 @@ def test_a_pin_too_high_or_too_low(rolling, height):
 
 def test_a_pin_that_stands_still(rolling):
     def still(pose):
-        return RigidTransform.concatenate([rolling.T_agent_object["handle_left"][0]] * len(pose))
+        return RigidTransform.concatenate([rolling.T_agent_object["rolling_pin"][0]] * len(pose))
 
     measure = measure_rolling(spoilt(rolling, "handle_left", still))
     assert not measure.ok
@@ -135,10 +136,10 @@ def test_a_pin_that_stands_still(rolling):
 
 
 def test_a_pin_that_stops_halfway(rolling):
-    count = len(rolling.clock)
+    count = len(rolling.model_time)
 
     def stopped(pose):
-        return RigidTransform.concatenate([rolling.T_agent_object["handle_left"][count // 2]] * len(pose))
+        return RigidTransform.concatenate([rolling.T_agent_object["rolling_pin"][count // 2]] * len(pose))
 
     measure = measure_rolling(spoilt(rolling, "handle_left", stopped, slice(count // 2, None)))
     assert 1 <= measure.values["half-strokes"] < 8
@@ -147,7 +148,7 @@ def test_a_pin_that_stops_halfway(rolling):
 
 def test_paths_of_regions(small_plan):
     table = region_path(small_plan, "place_onto", "place onto")
-    assert table.shape == (len(small_plan.clock), 3)
+    assert table.shape == (len(small_plan.model_time), 3)
     assert np.ptp(table, axis=0).max() == 0.0
     assert table[0, 2] == pytest.approx(0.0, abs=1e-6)
     rim = region_path(small_plan, "pour_into", "pour into")

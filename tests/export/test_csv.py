@@ -54,7 +54,7 @@ def test_prismatic_joints_are_in_metres(small_plan: Plan) -> None:
 
 
 def test_a_comma_in_an_object_s_name_stays_one_column(small_plan: Plan) -> None:
-    moved = tuple(replace(m, name='cup, "mine"') if m.name == "cup_large" else m for m in small_plan.task.moved)
-    header, values = table(encode(replace(small_plan, task=replace(small_plan.task, moved=moved)))["objects.csv"])
+    poses = {name.replace("cup_large", 'cup, "mine"'): pose for name, pose in small_plan.T_agent_object.items()}
+    header, values = table(encode(replace(small_plan, T_agent_object=poses))["objects.csv"])
     assert 'cup, "mine".x[m]' in header
     assert values.shape[1] == len(header)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import RigidTransform
 
 from sbam.errors import FileFormatError, FileVersionError
 from sbam.export import npz, read_trajectory_npz, write_plan
@@ -40,7 +41,7 @@ def test_everything_comes_back(small_plan: Plan, file: Path) -> None:
     assert saved.trajectory.joint_names == trajectory.joint_names
     for name in ("time", "position", "velocity", "acceleration"):
         assert np.array_equal(getattr(saved.trajectory, name), getattr(trajectory, name))
-    assert np.array_equal(saved.model_time, small_plan.clock)
+    assert np.array_equal(saved.model_time, small_plan.model_time)
     assert saved.phases == small_plan.phases
     assert set(saved.T_world_object) == set(small_plan.object_poses())
     for name, pose in small_plan.object_poses().items():
@@ -66,12 +67,13 @@ def test_it_is_understood_without_this_package(small_plan: Plan, file: Path) -> 
 
 
 def test_the_robots_frame_is_given_in_the_world(small_plan: Plan) -> None:
-    world = small_plan.task.scene.T_world_agent
-    turned = replace(small_plan.task.scene, T_world_agent=world.__class__.from_translation([1.0, 2.0, 3.0]) * world)
-    moved = replace(small_plan, task=replace(small_plan.task, scene=turned))
+    away = RigidTransform.from_translation([1.0, 2.0, 3.0])
+    turned = replace(small_plan.task.scene, T_world_agent=away * small_plan.T_world_agent)
+    robot = small_plan.robot.placed(away * small_plan.robot.T_world_base)
+    moved = replace(small_plan, task=replace(small_plan.task, scene=turned), robot=robot)
     arrays = np.load(io.BytesIO(npz.encode(moved)[npz.FILE]))
     base = json.loads(arrays["meta"].item())["T_world_base"]["position"]
-    assert np.allclose(base, (turned.T_world_agent * small_plan.robot.T_world_base).translation)
+    assert np.allclose(base, small_plan.robot.T_world_base.translation + np.array([1.0, 2.0, 3.0]))
     first = arrays["object_names"].tolist()[0]
     there = small_plan.object_poses()[first].translation + np.array([1.0, 2.0, 3.0])
     assert np.allclose(arrays["object_position"][:, 0], there)

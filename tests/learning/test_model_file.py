@@ -66,9 +66,9 @@ def test_hands_that_were_not_seen(model, tmp_path):
 
 
 def test_a_later_version_is_refused(content, tmp_path):
-    content["format_version"] = 2
+    content["format_version"] = 3
     content["something"] = "new"
-    with pytest.raises(FileVersionError, match="version 2 is later than 1"):
+    with pytest.raises(FileVersionError, match="version 3 is later than 2"):
         load_model(write(tmp_path, content))
 
 

@@ -16,6 +16,7 @@ from sbam.planning.keypoints.objective import build_problem
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.state import Carrying, RegionPoint, Workspace
 from sbam.planning.plan import Plan, plan
+from sbam.planning.start import in_agent_frame
 from sbam.robots import Robot, load_robot
 
 ROBOTS = ("panda_dual", "flying_hands")
@@ -29,7 +30,7 @@ def learned(task: BuiltInTask, constraint: str = "cartesian", mode: str = "defau
 @cache
 def robot_in_agent_frame(name: str) -> Robot:
     robot = flying_hands() if name == "flying_hands" else load_robot(name)
-    return robot.placed_for(RigidTransform.identity())
+    return in_agent_frame(robot)
 
 
 @pytest.fixture(scope="session")
@@ -56,7 +57,7 @@ def problem_of() -> Callable[..., Problem]:
 
     def build(made: Plan, times: np.ndarray | None = None) -> Problem:
         grasps = {key: grasp.T_object_tcp for key, grasp in made.grasps.items()}
-        return build_problem(made.task, made.robot, grasps, made.settings, times)
+        return build_problem(made.task, in_agent_frame(made.robot), grasps, made.settings, times)
 
     return build
 

@@ -32,8 +32,8 @@ def assert_good(planned: Plan) -> None:
 def test_pouring_in_a_new_layout(small_plan):
     assert_good(small_plan)
     assert small_plan.solution.solver == "default"
-    assert len(small_plan.clock) == len(small_plan.trajectory.time)
-    assert set(small_plan.T_agent_object) == {"pour_from", "pour_into"}
+    assert len(small_plan.model_time) == len(small_plan.trajectory.time)
+    assert set(small_plan.T_agent_object) == {"apple_juice", "cup_large"}
 
 
 def test_rolling(rolling_plan):
@@ -69,7 +69,9 @@ def test_the_same_again(model_of, rolling_plan):
     for field in ("time", "position", "velocity", "acceleration"):
         np.testing.assert_array_equal(getattr(again.trajectory, field), getattr(rolling_plan.trajectory, field))
     assert again.checks == rolling_plan.checks
-    assert {"bind", "free flight", "grasps", "keypoints", "motion", "avoidance", "timing", "checks"} == set(stages)
+    assert {"variant", "bind", "free flight", "grasps", "keypoints", "motion", "avoidance", "timing", "checks"} == set(
+        stages
+    )
     assert set(again.seconds) == set(stages)
 
 

@@ -60,7 +60,7 @@ def test_keypoints_are_passed_in_order(small_plan: Plan, report: dict) -> None:
     times = np.array([keypoint["time_s"] for keypoint in report["keypoints"]])
     assert (np.diff(times) > 0).all()
     assert 0 <= times[0] < times[-1] <= report["duration_s"]
-    at = np.interp(times, small_plan.trajectory.time, small_plan.clock)
+    at = np.interp(times, small_plan.trajectory.time, small_plan.model_time)
     assert np.allclose(at, [keypoint["model_time_s"] for keypoint in report["keypoints"]], atol=1e-3)
 
 

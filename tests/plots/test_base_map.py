@@ -4,8 +4,8 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.scenes import starting_scene
+from sbam.planning.bind import bind
 from sbam.planning.placement.search import BaseMap, Place
-from sbam.planning.task import bind
 from sbam.plots import plot_base_map
 from sbam.robots import load_robot
 

@@ -19,13 +19,13 @@ def test_executed_curves_are_those_of_the_trajectory(small_plan: Plan, assert_re
     figure = plot_comparison(small_plan)
     assert_readable(figure)
     assert "synthetic" in figure._suptitle.get_text()
-    bottle, cup = (small_plan.T_agent_object[role] for role in ("pour_from", "pour_into"))
+    bottle, cup = (small_plan.T_agent_object[name] for name in ("apple_juice", "cup_large"))
     objects = small_plan.task.scene.objects
     spout = bottle.apply(objects["apple_juice"].region("pour from").center)
     rim = cup.apply(objects["cup_large"].region("pour into").center)
     for axis, axes in enumerate(figure.axes[:3]):
         executed = line(axes, "executed")
-        expected = 1000 * np.interp(executed.get_xdata(), small_plan.clock, (spout - rim)[:, axis])
+        expected = 1000 * np.interp(executed.get_xdata(), small_plan.model_time, (spout - rim)[:, axis])
         assert np.abs(executed.get_ydata() - expected).max() < 1.0
         demonstrated = [one for one in axes.lines if one.get_color() == "#888888"]
         assert len(demonstrated) == len(small_plan.task.model.demonstrations)
@@ -99,7 +99,7 @@ def test_paths_are_seen_from_above_and_from_the_side_at_one_scale(small_plan: Pl
     assert_readable(figure)
     above, beside = figure.axes
     spout = small_plan.task.scene.objects["apple_juice"].region("pour from").center
-    path = 1000 * small_plan.T_agent_object["pour_from"].apply(spout)
+    path = 1000 * small_plan.T_agent_object["apple_juice"].apply(spout)
     for axes, plane in ((above, (0, 1)), (beside, (1, 2))):
         drawn = line(axes, "pour from of apple_juice")
         assert drawn.get_xdata()[0] == pytest.approx(path[0, plane[0]])

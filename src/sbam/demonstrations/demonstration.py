@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform
 
+from sbam.plain import html_summary
+
 Hand = Literal["left", "right"]
 
 
@@ -60,3 +62,19 @@ class Demonstration:
     def objects(self) -> tuple[str, ...]:
         """Names of the tracked objects."""
         return tuple(self.T_world_object)
+
+    def __repr__(self) -> str:
+        length = f"{self.duration:.2f} s, {len(self.time)} frames"
+        hands = " and ".join(self.T_world_hand) or "no"
+        return f"<Demonstration {self.name!r}: {length}, {', '.join(self.objects)}; {hands} hands>"
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "duration": f"{self.duration:.2f} s, {len(self.time)} frames",
+            "objects": ", ".join(self.objects),
+            "hands": ", ".join(self.T_world_hand) or "none",
+            "synthetic": self.synthetic,
+            "source": self.source,
+            "notes": "; ".join(self.notes),
+        }
+        return html_summary(f"Demonstration {self.name}", rows)

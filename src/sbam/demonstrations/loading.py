@@ -51,6 +51,14 @@ def load(
     return [demonstration for _, demonstration in demonstrations.values()]
 
 
+def as_demonstrations(
+    given: Demonstration | str | Path | Iterable[Demonstration | str | Path],
+) -> list[Demonstration]:
+    """Demonstrations as they are, those that paths and ``built-in:`` names stand for loaded (`load`)."""
+    parts = [given] if isinstance(given, Demonstration | str | Path) else list(given)
+    return [one for part in parts for one in ([part] if isinstance(part, Demonstration) else load(part))]
+
+
 def _expanded(source: str | Path) -> list[str | Path]:
     """Files of a folder; anything else is itself, as text only if it is built in."""
     if str(source).startswith(BUILT_IN):

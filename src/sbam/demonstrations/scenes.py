@@ -66,3 +66,8 @@ def starting_scene(source: str | Path, library: ObjectLibrary | None = None) -> 
         names = ", ".join(one.name for one in demonstrations)
         raise DemonstrationError(str(source), "are several recordings, but a scene is one", f"choose one of {names}")
     return scene_from_demonstration(demonstrations[0], library)
+
+
+def as_scene(scene: Scene | str | Path) -> Scene:
+    """A scene as it is, or the one that a path or a ``built-in:`` name stands for (`starting_scene`)."""
+    return scene if isinstance(scene, Scene) else starting_scene(scene)

@@ -14,7 +14,7 @@ from sbam.planning.keypoints.free_flight import solve_free_flight
 from sbam.planning.motion.object_path import object_path, shapes_of
 from sbam.planning.plan import Plan
 from sbam.planning.settings import PlanSettings
-from sbam.planning.task import Task
+from sbam.planning.task import RoleHand, Task
 from sbam.planning.trajectory.trajectory import JointTrajectory
 from sbam.robots import HumanLikeness
 
@@ -31,8 +31,8 @@ class ExecutedMotion:
         task: the model bound to the scene.
         keypoint_poses: role -> K optimised poses of every moved object at the model's keypoints, agent frame.
         time: (N,) s from the first sample.
-        clock: (N,) time on the model's axis of every sample, s.
-        T_agent_object: role -> N poses of every moved object, agent frame.
+        model_time: (N,) time on the model's axis of every sample, s.
+        T_agent_object: object name -> N poses of every moved object, agent frame.
         objective: exact objective of the optimised keypoints.
         human_deviation: mean angle between the arms and a person's natural posture at the keypoints, degrees; None
             without arms.
@@ -43,7 +43,7 @@ class ExecutedMotion:
     task: Task
     keypoint_poses: Mapping[str, RigidTransform]
     time: Array
-    clock: Array
+    model_time: Array
     T_agent_object: Mapping[str, RigidTransform]
     objective: float
     human_deviation: float | None
@@ -65,18 +65,18 @@ def executed_plan(plan: Plan) -> ExecutedMotion:
     robot, task = plan.robot, plan.task
     frames = [robot.arms[moved.hands[0]].tcp_frame for moved in task.moved]
     kinematics = robot.kinematics(plan.solution.configurations, frames)
-    poses = {}
+    T_agent_world, poses = plan.T_world_agent.inv(), {}
     for index, moved in enumerate(task.moved):
         rotation = Rotation.from_matrix(kinematics.rotation[:, index])
-        T_agent_tcp = RigidTransform.from_components(kinematics.position[:, index], rotation)
-        poses[moved.role] = T_agent_tcp * plan.grasps[moved.role, moved.hands[0]].T_object_tcp.inv()
+        T_agent_tcp = T_agent_world * RigidTransform.from_components(kinematics.position[:, index], rotation)
+        poses[moved.role] = T_agent_tcp * plan.grasps[RoleHand(moved.role, moved.hands[0])].T_object_tcp.inv()
     posture = HumanLikeness(robot)
     deviation = posture.deviation(robot.kinematics(plan.solution.configurations, posture.frames))
     return ExecutedMotion(
         task=task,
         keypoint_poses=poses,
         time=plan.trajectory.time,
-        clock=plan.clock,
+        model_time=plan.model_time,
         T_agent_object=plan.T_agent_object,
         objective=plan.solution.objective,
         human_deviation=float(deviation.mean()),
@@ -89,13 +89,13 @@ def flight(task: Task, settings: PlanSettings) -> ExecutedMotion:
     """The execution by hands without arms: what the action wants, whatever a robot can do."""
     solution, poses = solve_free_flight(task, settings)
     times = task.model.keypoint_times
-    clock = np.linspace(0.0, times[-1], round(times[-1] / FLIGHT_STEP) + 1)
+    model_time = np.linspace(0.0, times[-1], round(times[-1] / FLIGHT_STEP) + 1)
     shapes = shapes_of(task) if settings.between == "primitive" else {}
     paths = {
-        moved.role: object_path(task, moved, times, poses[moved.role], clock, shapes.get(moved.role)).pose
+        moved.name: object_path(task, moved, times, poses[moved.role], model_time, shapes.get(moved.role)).pose
         for moved in task.moved
     }
-    return ExecutedMotion(task, poses, clock, clock, paths, solution.objective, None, None, ())
+    return ExecutedMotion(task, poses, model_time, model_time, paths, solution.objective, None, None, ())
 
 
 def region_points(
@@ -105,10 +105,11 @@ def region_points(
 
     Args:
         task: the model bound to the scene.
-        T_agent_object: role -> N poses of every moved object; what is missing stands where it stood at the start.
+        T_agent_object: object name -> N poses of every moved object; what is missing stands where it started.
         reference: the region.
         count: N.
     """
-    if reference.role in T_agent_object:
-        return T_agent_object[reference.role].apply(task.region_center(reference))
+    name = task.binding[reference.role]
+    if name in T_agent_object:
+        return T_agent_object[name].apply(task.region_center(reference))
     return np.broadcast_to(task.region_at_start(reference), (count, 3))

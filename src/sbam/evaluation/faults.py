@@ -34,18 +34,18 @@ def measure_faults(
         the time from the first lift to the last place, and after it; ``largest speed before [mm/s]``; ``tilted beside
         the cup for [s]``: beyond 60 degrees with the mouth farther aside than the rim of the cup.
     """
-    task, clock = motion.task, motion.clock
+    task, clock = motion.task, motion.model_time
     lift, place = min(moved.lift for moved in task.moved), max(moved.place for moved in task.moved)
     begin = place - END * (place - lift)
     at_end, before = [0.0], [0.0]
     for moved in task.moved:
-        speed, when = _speed(clock, motion.T_agent_object[moved.role].apply(acting_point(task, moved)))
+        speed, when = _speed(clock, motion.T_agent_object[moved.name].apply(acting_point(task, moved)))
         at_end.append(float(speed[when >= begin].max(initial=0.0)))
         before.append(float(speed[when < begin].max(initial=0.0)))
     values = {"largest speed at the end [mm/s]": 1e3 * max(at_end), "largest speed before [mm/s]": 1e3 * max(before)}
     if {pour_from, pour_into} <= set(task.binding):
         bottle, cup = (task.scene.objects[task.binding[role]] for role in (pour_from, pour_into))
-        upright = motion.T_agent_object[pour_from].rotation.apply(bottle.up)[:, 2]
+        upright = motion.T_agent_object[task.binding[pour_from]].rotation.apply(bottle.up)[:, 2]
         offset = region_path(motion, pour_from, "pour from") - region_path(motion, pour_into, "pour into")
         beside = np.hypot(offset[:, 0], offset[:, 1]) > cup.region("pour into").half_axes.min()
         wrong = (upright < np.cos(POUR_TILT)) & beside

@@ -14,9 +14,10 @@ from sbam.evaluation.metrics import PairDistances, measures, pair_distances
 from sbam.evaluation.person import model_anchors, person_motion
 from sbam.learning.learn import learn
 from sbam.learning.settings import LearningSettings
+from sbam.planning.bind import bind
 from sbam.planning.plan import plan
 from sbam.planning.settings import PlanSettings
-from sbam.planning.task import bind
+from sbam.planning.variant import choose_variant
 from sbam.robots import Robot
 from sbam.scene import ObjectLibrary
 
@@ -117,7 +118,8 @@ def run_fold(condition: Condition, fold: Fold, robot: Robot | None, library: Obj
         begin = _lap(seconds, "learn", begin)
         scene = scene_from_demonstration(fold.test, library)
         if robot is None:
-            motion = flight(bind(model, scene, prune=condition.planning.prune), condition.planning)
+            variant, _ = choose_variant(model, scene, prune=condition.planning.prune)
+            motion = flight(bind(variant, scene), condition.planning)
         else:
             motion = executed_plan(plan(model, scene, robot, condition.planning))
         problems = motion.problems

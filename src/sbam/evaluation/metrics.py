@@ -122,9 +122,9 @@ def measures(motion: ExecutedMotion, person: PersonMotion) -> dict[str, float]:
         values[f"{moved.role}: tilt error, rms [deg]"] = float(
             np.rad2deg(np.sqrt(np.square(tilts[0] - tilts[1]).mean()))
         )
-        path, own = motion.T_agent_object[moved.role].translation, person.T_agent_object[moved.role].translation
+        path, own = motion.T_agent_object[moved.name].translation, person.T_agent_role[moved.role].translation
         values[f"{moved.role}: ends off by [mm]"] = float(1e3 * np.linalg.norm(path[-1] - own[-1]))
-        values |= path_smoothness(f"{moved.role}: ", motion.clock, path)
+        values |= path_smoothness(f"{moved.role}: ", motion.model_time, path)
         values |= {f"{name}{PERSON}": v for name, v in path_smoothness(f"{moved.role}: ", person.time, own).items()}
     values |= _pouring(motion, person) | _rolling(motion, person)
     if any(change.pair.is_own_start for change in task.model.changes):
@@ -132,7 +132,7 @@ def measures(motion: ExecutedMotion, person: PersonMotion) -> dict[str, float]:
     if motion.human_deviation is not None:
         values["arms off a natural posture [deg]"] = motion.human_deviation
     if motion.trajectory is not None:
-        values |= joint_smoothness(motion.trajectory, motion.clock)
+        values |= joint_smoothness(motion.trajectory, motion.model_time)
     values["duration of the motion [s]"] = float(motion.time[-1])
     values["objective"] = motion.objective
     return values
@@ -166,15 +166,15 @@ def _rolling(motion: ExecutedMotion, person: PersonMotion) -> dict[str, float]:
         return {}
     own_clock = np.linspace(0.0, person.time[-1], 100 * round(person.time[-1]) + 1)
     theirs = person.poses_at(own_clock)["handle_left"].translation
-    ours = motion.T_agent_object["handle_left"].translation
+    ours = motion.T_agent_object[motion.task.binding["handle_left"]].translation
     values = dict(measure_rolling(motion).values)
     turns, own_turns = turning_points(ours), turning_points(theirs)
     values[f"half-strokes{PERSON}"] = float(max(len(own_turns) - 1, 0))
     if len(turns) and len(own_turns):
         when = person.on_model_axis(own_clock[own_turns])
-        nearest = np.abs(motion.clock[turns][:, None] - when).argmin(axis=0)
+        nearest = np.abs(motion.model_time[turns][:, None] - when).argmin(axis=0)
         off = ours[turns[nearest]] - theirs[own_turns]
-        late = motion.clock[turns[nearest]] - when
+        late = motion.model_time[turns[nearest]] - when
         values["turning points off by [mm]"] = float(1e3 * np.linalg.norm(off, axis=1).mean())
         values["turning points late by, abs. [s]"] = float(np.abs(late).mean())
         strokes = [
@@ -184,7 +184,7 @@ def _rolling(motion: ExecutedMotion, person: PersonMotion) -> dict[str, float]:
             values["strokes' amplitude / person's"] = float(strokes[0].mean() / strokes[1].mean())
         rolling = slice(own_turns[0], own_turns[-1] + 1)
         theirs_aligned = person.on_model_axis(own_clock[rolling])
-        height = np.interp(theirs_aligned, motion.clock, ours[:, 2]) - theirs[rolling, 2]
+        height = np.interp(theirs_aligned, motion.model_time, ours[:, 2]) - theirs[rolling, 2]
         values["pin's height off, mean [mm]"] = float(1e3 * np.abs(height).mean())
     return values
 
@@ -192,8 +192,8 @@ def _rolling(motion: ExecutedMotion, person: PersonMotion) -> dict[str, float]:
 def _dense(motion: ExecutedMotion) -> tuple[Array, Mapping[str, RigidTransform]]:
     """Object poses on an even grid of the model's clock."""
     clock = np.linspace(0.0, motion.task.model.duration, DENSE_SAMPLES)
-    samples = np.searchsorted(motion.clock, clock).clip(0, len(motion.clock) - 1)
-    return clock, {role: pose[samples] for role, pose in motion.T_agent_object.items()}
+    samples = np.searchsorted(motion.model_time, clock).clip(0, len(motion.model_time) - 1)
+    return clock, {moved.role: motion.T_agent_object[moved.name][samples] for moved in motion.task.moved}
 
 
 def _vector(task: Task, poses: Mapping[str, RigidTransform], pair: RegionPair, count: int) -> Array:

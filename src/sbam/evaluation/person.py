@@ -39,7 +39,7 @@ class PersonMotion:
         synthetic: whether the project generated it.
         models: role -> model of the object that plays it.
         time: (T,) s from the start.
-        T_agent_object: role -> T poses, agent frame.
+        T_agent_role: role -> T poses, agent frame.
         own_anchors: (A,) when the model's anchors occur, s.
         anchors: the model's anchors.
     """
@@ -48,7 +48,7 @@ class PersonMotion:
     synthetic: bool
     models: Mapping[str, ObjectModel]
     time: Array
-    T_agent_object: Mapping[str, RigidTransform]
+    T_agent_role: Mapping[str, RigidTransform]
     own_anchors: Array
     anchors: Anchors
 
@@ -63,7 +63,7 @@ class PersonMotion:
     def poses_at(self, own: Array) -> dict[str, RigidTransform]:
         """Role -> K poses at the person's own times (K,) s; clamped to the recording."""
         own = np.clip(own, self.time[0], self.time[-1])
-        return {role: _interpolated(self.time, pose, own) for role, pose in self.T_agent_object.items()}
+        return {role: _interpolated(self.time, pose, own) for role, pose in self.T_agent_role.items()}
 
 
 def model_anchors(model: ActionModel) -> Anchors:
@@ -114,7 +114,7 @@ def person_motion(
         synthetic=demonstration.synthetic,
         models={role: models[name] for role, name in binding.items()},
         time=demonstration.time - demonstration.time[0],
-        T_agent_object={role: T_agent_world * demonstration.T_world_object[name] for role, name in binding.items()},
+        T_agent_role={role: T_agent_world * demonstration.T_world_object[name] for role, name in binding.items()},
         own_anchors=locate_anchors(anchors.kinds, anchors.roles, anchors.times, events, demonstration.duration),
         anchors=anchors,
     )

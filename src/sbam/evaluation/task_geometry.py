@@ -37,7 +37,7 @@ class Measure:
 
 def region_path(motion: ObjectMotion, role: str, affordance: str) -> Array:
     """(N, 3) centre of a role's region at every sample, agent frame, m."""
-    return region_points(motion.task, motion.T_agent_object, RegionReference(role, affordance), len(motion.clock))
+    return region_points(motion.task, motion.T_agent_object, RegionReference(role, affordance), len(motion.model_time))
 
 
 def measure_pouring(motion: ObjectMotion, pour_from: str = "pour_from", pour_into: str = "pour_into") -> Measure:
@@ -48,9 +48,10 @@ def measure_pouring(motion: ObjectMotion, pour_from: str = "pour_from", pour_int
         pour_from: role of what is poured from.
         pour_into: role of what is poured into.
     """
-    bottle = motion.task.scene.objects[motion.task.binding[pour_from]]
+    bottle_name = motion.task.binding[pour_from]
+    bottle = motion.task.scene.objects[bottle_name]
     cup = motion.task.scene.objects[motion.task.binding[pour_into]]
-    up = motion.T_agent_object[pour_from].rotation.apply(bottle.up)
+    up = motion.T_agent_object[bottle_name].rotation.apply(bottle.up)
     tilt = np.arccos(np.clip(up[:, 2], -1.0, 1.0))
     offset = region_path(motion, pour_from, "pour from") - region_path(motion, pour_into, "pour into")
     aside, above = np.hypot(offset[:, 0], offset[:, 1]), offset[:, 2]
@@ -104,7 +105,7 @@ def measure_rolling(motion: ObjectMotion, half_strokes: int = 8, role: str = "ha
     left, right = (region_path(motion, role, f"handle {side}") for side in ("left", "right"))
     middle = 0.5 * (left + right)
     learned = [
-        path[0, 2] + change.at(motion.clock)[0][:, 2]
+        path[0, 2] + change.at(motion.model_time)[0][:, 2]
         for path, side in ((left, "left"), (right, "right"))
         for change in motion.task.model.changes
         if change.pair.is_own_start and change.pair.first.affordance == f"handle {side}"

@@ -101,7 +101,7 @@ def encode(plan: Plan) -> Mapping[str, bytes]:
     trajectory, scene = plan.trajectory, plan.task.scene
     poses = plan.object_poses()
     count = len(trajectory.time)
-    keypoint_time = np.interp(plan.task.model.keypoint_times, plan.clock, trajectory.time)
+    keypoint_time = np.interp(plan.task.model.keypoint_times, plan.model_time, trajectory.time)
     meta = Meta(
         task=plan.task.model.name,
         robot=plan.robot.name,
@@ -110,7 +110,7 @@ def encode(plan: Plan) -> Mapping[str, bytes]:
         ok=plan.ok,
         problems=plan.problems,
         units=UNITS,
-        T_world_base=pose_dict(plan.T_world_agent * plan.robot.T_world_base),
+        T_world_base=pose_dict(plan.robot.T_world_base),
         standing_objects={name: pose_dict(pose) for name, pose in scene.T_world_object.items() if name not in poses},
     )
     arrays: dict[str, NDArray[Any]] = {
@@ -120,7 +120,7 @@ def encode(plan: Plan) -> Mapping[str, bytes]:
         "position": trajectory.position,
         "velocity": trajectory.velocity,
         "acceleration": trajectory.acceleration,
-        "model_time": plan.clock,
+        "model_time": plan.model_time,
         "keypoint_time": keypoint_time,
         "keypoint_index": np.abs(trajectory.time - keypoint_time[:, None]).argmin(axis=1),
         "phase_hand": np.array([phase.hand for phase in plan.phases], dtype=str),

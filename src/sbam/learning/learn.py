@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.constraints import RegionPair, RegionReference, constraint_type
+from sbam.constraints import RegionPair, constraint_type
 from sbam.demonstrations.demonstration import Demonstration
-from sbam.errors import DemonstrationError
+from sbam.demonstrations.loading import as_demonstrations
+from sbam.errors import DemonstrationError, SettingsError
 from sbam.learning.anchors import AnchorSet, align_events, warp
 from sbam.learning.binding import (
     Library,
@@ -25,12 +27,12 @@ from sbam.learning.generalization import GeneralizedChange
 from sbam.learning.hand_holds import hand_holds
 from sbam.learning.incremental import add_candidates, first_demonstration
 from sbam.learning.keypoints import keypoint_histogram, keypoint_times
-from sbam.learning.model import ActionModel, Anchor, Role
+from sbam.learning.model import ActionModel, Anchor, Role, Variant
 from sbam.learning.pairs import pairs_that_move
 from sbam.learning.settings import LearningSettings
 from sbam.learning.sketch import ChannelCandidates, DemonstrationSketch, PairCandidates, sketch_demonstration
 from sbam.learning.stroke_cutting import equalize_sketches
-from sbam.learning.variants import nearest_layout, order_groups
+from sbam.learning.variants import order_groups
 from sbam.scene.object_library import ObjectLibrary
 
 Array = NDArray[np.float64]
@@ -38,9 +40,9 @@ Progress = Callable[[int, int], None]
 
 
 def learn(
-    demonstrations: Sequence[Demonstration],
+    demonstrations: Demonstration | str | Path | Sequence[Demonstration | str | Path],
     constraint: str = "cartesian",
-    mode: str = "default",
+    mode: str | None = None,
     library: Library | None = None,
     name: str | None = None,
     progress: Progress | None = None,
@@ -49,9 +51,9 @@ def learn(
     """Learn a Spatial Bimanual Action Model.
 
     Args:
-        demonstrations: one or more demonstrations of the same action.
+        demonstrations: one or more demonstrations of the same action, their files or folders, or ``built-in:NAME``.
         constraint: ``cartesian``, ``cylindrical`` or ``symbolic``.
-        mode: ``default`` or ``paper``.
+        mode: ``default`` or ``paper``; None: that of the settings, else ``default``.
         library: models of the objects; None: the built-in library.
         name: name of the action; None: that of the first demonstration.
         progress: called with the number of finished demonstrations and of all.
@@ -62,10 +64,16 @@ def learn(
 
     Raises:
         DemonstrationError: if there is no demonstration, nothing moves, or the objects do not correspond.
+        SettingsError: if mode and settings contradict each other.
         UnknownNameError: for an unknown constraint type, mode or object.
+        FileFormatError: if a file that is given cannot be used.
     """
     constraint_type(constraint)
-    settings = settings or LearningSettings.for_mode(mode)
+    demonstrations = as_demonstrations(demonstrations)
+    if settings is None:
+        settings = LearningSettings.for_mode(mode or "default")
+    elif mode not in (None, settings.mode):
+        raise SettingsError("mode", mode, f"{settings.mode!r} as in the settings, or no mode beside settings")
     library = ObjectLibrary.built_in() if library is None else library
     if not demonstrations:
         raise DemonstrationError(name or "(none)", "there is nothing to learn from", "give one or more demonstrations")
@@ -84,48 +92,44 @@ def learn(
     return model or _build(name or sketches[0].name, constraint, settings, tuple(sketches))
 
 
-def add_demonstration(model: ActionModel, demonstration: Demonstration, library: Library | None = None) -> ActionModel:
+def add_demonstration(
+    model: ActionModel, demonstration: Demonstration | str | Path, library: Library | None = None
+) -> ActionModel:
     """The model with one more demonstration; the earlier recordings are not needed.
 
     Args:
         model: a model from `learn` or from a file; it is not changed.
-        demonstration: another demonstration of the same action.
+        demonstration: another demonstration of the same action, its file, or ``built-in:NAME``.
         library: models of the objects; None: the built-in library.
 
     Raises:
         DemonstrationError: if it does not show the same roles.
     """
     library = ObjectLibrary.built_in() if library is None else library
+    (demonstration,) = as_demonstrations(demonstration)
     sketch = _sketch(demonstration, model.demonstrations, library, model.constraint, model.settings)
     if _keeps_candidates(model.settings):
         return _build(model.name, model.constraint, model.settings, (*model.demonstrations, sketch))
     return _extended(model, sketch, model.name, model.constraint, model.settings)
 
 
-def variant_for(model: ActionModel, starts: Mapping[RegionReference, Array]) -> ActionModel:
-    """What the demonstrations show that take their objects in the order that fits a scene (`sbam.learning.variants`).
+def with_variants(model: ActionModel) -> ActionModel:
+    """The model with its variants learned anew, one for each order in which objects are taken and put back.
 
     Args:
         model: learned from all demonstrations.
-        starts: region -> (3,) its centre in the scene at the start, agent frame, m.
-
-    Returns:
-        The model itself if its demonstrations agree on the order or its settings do not ask for it.
     """
     sketches = model.demonstrations
-    if not model.settings.variants or not all(sketch.candidates for sketch in sketches):
-        return model
-    groups = order_groups(sketches)
-    nearest = nearest_layout(sketches, starts) if groups.any() else None
-    if nearest is None:
-        return model
-    chosen = tuple(sketch for sketch, group in zip(sketches, groups, strict=True) if group == groups[nearest])
-    variant = _build(model.name, model.constraint, model.settings, chosen)
-    note = (
-        f"{len(chosen)} of {len(sketches)} demonstrations take their objects in the order that fits this scene "
-        f"(nearest: {sketches[nearest].name}); the others are left out"
-    )
-    return replace(variant, notes=(*variant.notes, note))
+    known = model.settings.variants and all(sketch.candidates for sketch in sketches)
+    groups = order_groups(sketches) if known else np.zeros(len(sketches), dtype=int)
+    if not groups.any():
+        return replace(model, variants=())
+    variants = []
+    for group in range(groups.max() + 1):
+        members = np.flatnonzero(groups == group)
+        own = _generalize(model.name, model.constraint, model.settings, tuple(sketches[index] for index in members))
+        variants.append(Variant(members, own.changes, own.anchors, own.keypoint_times, own.holds, own.notes))
+    return replace(model, variants=tuple(variants))
 
 
 def _keeps_candidates(settings: LearningSettings) -> bool:
@@ -207,6 +211,13 @@ def _time_axis(sketches: Sequence[DemonstrationSketch], settings: LearningSettin
 
 
 def _build(
+    name: str, constraint: str, settings: LearningSettings, sketches: tuple[DemonstrationSketch, ...]
+) -> ActionModel:
+    """A model of all sketches, with its variants."""
+    return with_variants(_generalize(name, constraint, settings, sketches))
+
+
+def _generalize(
     name: str, constraint: str, settings: LearningSettings, sketches: tuple[DemonstrationSketch, ...]
 ) -> ActionModel:
     """Generalise all sketches, in their order."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,9 @@ from sbam.demonstrations.demonstration import Hand
 from sbam.learning.generalization import GeneralizedChange
 from sbam.learning.settings import LearningSettings, Mode
 from sbam.learning.sketch import DemonstrationSketch
+from sbam.plain import html_summary
 
-__all__ = ["ActionModel", "Anchor", "HandHold", "Mode", "Role"]
+__all__ = ["ActionModel", "Anchor", "HandHold", "Mode", "Role", "Variant"]
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,27 @@ class HandHold:
 
 
 @dataclass(frozen=True)
+class Variant:
+    """The same action, learned from those demonstrations alone that take and put back their objects in one order.
+
+    Attributes:
+        demonstrations: (M,) indices of these demonstrations among the model's.
+        changes: as in `ActionModel`, of these demonstrations.
+        anchors: likewise.
+        keypoint_times: likewise.
+        holds: likewise.
+        notes: likewise.
+    """
+
+    demonstrations: NDArray[np.int64]
+    changes: tuple[GeneralizedChange, ...]
+    anchors: tuple[Anchor, ...]
+    keypoint_times: NDArray[np.float64]
+    holds: tuple[HandHold, ...]
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class ActionModel:
     """A Spatial Bimanual Action Model.
 
@@ -84,6 +106,7 @@ class ActionModel:
         demonstrations: what is kept of each demonstration, so that more can be added without the recordings.
         settings: how the model was learned.
         notes: what the learning found worth saying, a sentence each.
+        variants: the action by the order in which objects are taken and put back; empty if all demonstrations agree.
     """
 
     name: str
@@ -98,8 +121,45 @@ class ActionModel:
     demonstrations: tuple[DemonstrationSketch, ...] = ()
     settings: LearningSettings = field(default_factory=LearningSettings)
     notes: tuple[str, ...] = ()
+    variants: tuple[Variant, ...] = ()
+
+    def variant_of(self, demonstration: int) -> ActionModel:
+        """The variant to which a demonstration belongs, as a model of its own.
+
+        Args:
+            demonstration: index of one of the model's demonstrations.
+        """
+        variant = next(one for one in self.variants if demonstration in one.demonstrations)
+        return replace(
+            self,
+            changes=variant.changes,
+            anchors=variant.anchors,
+            keypoint_times=variant.keypoint_times,
+            holds=variant.holds,
+            demonstrations=tuple(self.demonstrations[index] for index in variant.demonstrations),
+            notes=variant.notes,
+            variants=(),
+        )
 
     @property
     def duration(self) -> float:
         """Duration on the model's time axis, s."""
         return float(self.keypoint_times[-1])
+
+    def __repr__(self) -> str:
+        learned = f"{len(self.demonstrations)} demonstrations, {len(self.changes)} pairs"
+        return (
+            f"<ActionModel {self.name!r}: {self.constraint}, mode {self.mode}, {learned}, "
+            f"{len(self.keypoint_times)} keypoints, {self.duration:.1f} s>"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "constraint": f"{self.constraint}, mode {self.mode}",
+            "demonstrations": f"{len(self.demonstrations)}{' (synthetic)' if self.synthetic else ''}",
+            "roles": ", ".join(f"{role.name}{' (moves)' if role.moves else ''}" for role in self.roles),
+            "pairs": len(self.changes),
+            "keypoints": f"{len(self.keypoint_times)} in {self.duration:.1f} s",
+            "notes": "; ".join(self.notes),
+        }
+        return html_summary(f"Action model {self.name}", rows)

@@ -21,12 +21,15 @@ from numpy.typing import NDArray
 from sbam.constraints import CONSTRAINT_TYPES, constraint_type
 from sbam.errors import FileFormatError
 from sbam.files import write_atomically
-from sbam.learning.model import ActionModel
+from sbam.learning.generalization import GeneralizedChange
+from sbam.learning.learn import with_variants
+from sbam.learning.model import ActionModel, Variant
 from sbam.scene.object_file import check_version
 from sbam.schema import convert
 
 FORMAT = "sbam action model"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
+"""Version 1 had no variants; they are learned anew from what it keeps of the demonstrations."""
 
 _LINE = 110
 """What fits into this many characters is written on one line."""
@@ -67,10 +70,15 @@ def load_model(path: str | Path) -> ActionModel:
         raise FileFormatError(path, "$.format_version", "is missing", f"1 to {FORMAT_VERSION}")
     if not isinstance(content["format_version"], int):
         raise FileFormatError(path, "$.format_version", f"is {content['format_version']!r}", "a whole number")
-    del content["format_version"]
+    version = content.pop("format_version")
     model: ActionModel = _typed(ActionModel, convert(content, _schema(ActionModel), path))
     _check(model, path)
-    return model
+    return with_variants(model) if version == 1 else model
+
+
+def as_model(model: ActionModel | str | Path) -> ActionModel:
+    """A model as it is, or the one in a file (`load_model`)."""
+    return model if isinstance(model, ActionModel) else load_model(model)
 
 
 def _plain(value: Any) -> Any:
@@ -144,38 +152,53 @@ def _check(model: ActionModel, path: Path) -> None:
     """What the types cannot say."""
     if model.constraint not in CONSTRAINT_TYPES:
         raise FileFormatError(path, "$.constraint", f"is {model.constraint!r}", f"one of {', '.join(CONSTRAINT_TYPES)}")
-    _increasing(model.keypoint_times, 2, path, "$.keypoint_times")
-    duration = float(model.keypoint_times[-1])
     roles = {role.name for role in model.roles}
-    for index, hold in enumerate(model.holds):
-        if hold.role not in roles:
-            raise FileFormatError(path, f"$.holds[{index}].role", f"is {hold.role!r}", f"one of {', '.join(roles)}")
-    for index, change in enumerate(model.changes):
-        where = f"$.changes[{index}]"
-        for role in change.pair.roles:
-            if role not in roles:
-                raise FileFormatError(path, f"{where}.pair", f"names {role!r}", f"one of {', '.join(roles)}")
-        if change.constraint not in CONSTRAINT_TYPES:
-            expected = f"one of {', '.join(CONSTRAINT_TYPES)}"
-            raise FileFormatError(path, f"{where}.constraint", f"is {change.constraint!r}", expected)
-        names = constraint_type(change.constraint).channel_names
-        if tuple(channel.name for channel in change.channels) != names:
-            raise FileFormatError(path, f"{where}.channels", "are not those of the type", ", ".join(names))
-        for position, channel in enumerate(change.channels):
-            place = f"{where}.channels[{position}]"
-            _increasing(channel.time, 2, path, f"{place}.time")
-            if channel.time[0] != 0.0 or not math.isclose(channel.time[-1], duration, abs_tol=1e-6):
-                raise FileFormatError(path, f"{place}.time", "does not span the action", f"0 to {duration:g}")
-            for name in ("mean", "std", "count"):
-                _same_length(getattr(channel, name), channel.time, path, f"{place}.{name}")
-            if (channel.std < 0).any():
-                raise FileFormatError(path, f"{place}.std", "has a negative number", "0 or more")
+    _check_learned(model, roles, path, "$")
+    for index, variant in enumerate(model.variants):
+        where = f"$.variants[{index}]"
+        _check_learned(variant, roles, path, where)
+        known = range(len(model.demonstrations))
+        if not len(variant.demonstrations) or not all(one in known for one in variant.demonstrations.tolist()):
+            raise FileFormatError(path, f"{where}.demonstrations", "names others", f"indices below {len(known)}")
     for index, sketch in enumerate(model.demonstrations):
         for number, candidate in enumerate(sketch.candidates):
             for position, channel in enumerate(candidate.channels):
                 place = f"$.demonstrations[{index}].candidates[{number}].channels[{position}]"
                 _increasing(channel.time, 2, path, f"{place}.time")
                 _same_length(channel.value, channel.time, path, f"{place}.value")
+
+
+def _check_learned(learned: ActionModel | Variant, roles: set[str], path: Path, where: str) -> None:
+    """Check what a model and each of its variants hold; ``where`` is the place of that in the file."""
+    _increasing(learned.keypoint_times, 2, path, f"{where}.keypoint_times")
+    duration = float(learned.keypoint_times[-1])
+    for index, hold in enumerate(learned.holds):
+        if hold.role not in roles:
+            place = f"{where}.holds[{index}].role"
+            raise FileFormatError(path, place, f"is {hold.role!r}", f"one of {', '.join(roles)}")
+    for index, change in enumerate(learned.changes):
+        _check_change(change, duration, roles, path, f"{where}.changes[{index}]")
+
+
+def _check_change(change: GeneralizedChange, duration: float, roles: set[str], path: Path, where: str) -> None:
+    for role in change.pair.roles:
+        if role not in roles:
+            raise FileFormatError(path, f"{where}.pair", f"names {role!r}", f"one of {', '.join(roles)}")
+    if change.constraint not in CONSTRAINT_TYPES:
+        expected = f"one of {', '.join(CONSTRAINT_TYPES)}"
+        raise FileFormatError(path, f"{where}.constraint", f"is {change.constraint!r}", expected)
+    names = constraint_type(change.constraint).channel_names
+    if tuple(channel.name for channel in change.channels) != names:
+        raise FileFormatError(path, f"{where}.channels", "are not those of the type", ", ".join(names))
+    for position, channel in enumerate(change.channels):
+        place = f"{where}.channels[{position}]"
+        _increasing(channel.time, 2, path, f"{place}.time")
+        if channel.time[0] != 0.0 or not math.isclose(channel.time[-1], duration, abs_tol=1e-6):
+            raise FileFormatError(path, f"{place}.time", "does not span the action", f"0 to {duration:g}")
+        for name in ("mean", "std", "count"):
+            _same_length(getattr(channel, name), channel.time, path, f"{place}.{name}")
+        if (channel.std < 0).any():
+            raise FileFormatError(path, f"{place}.std", "has a negative number", "0 or more")
 
 
 def _increasing(values: NDArray[np.float64], least: int, path: Path, where: str) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from sbam.constraints.region_pair import RegionPair, RegionReference
 from sbam.learning.settings import LearningSettings
+from sbam.scene.affordance_region import is_support
 from sbam.scene.object_model import ObjectModel
 
 _UPRIGHT_COSINE = np.cos(np.radians(30.0))
@@ -61,7 +62,7 @@ def against_support(pair: RegionPair, roles: Mapping[str, ObjectModel], settings
     second = pair.second
     if settings.supports == "center" or second is None:
         return False
-    return second.affordance.endswith(" onto") and not roles[second.role].movable
+    return is_support(second.affordance) and not roles[second.role].movable
 
 
 def _movable(roles: Mapping[str, ObjectModel]) -> list[str]:
@@ -92,10 +93,7 @@ def _functional_pairs(roles: Mapping[str, ObjectModel]) -> list[RegionPair]:
                     pairs.append(RegionPair(one, other))
     paired = {role for pair in pairs for role in pair.roles}
     surfaces = [
-        region
-        for role, model in roles.items()
-        for region in _regions(role, model)
-        if region.affordance.endswith(" onto")
+        region for role, model in roles.items() for region in _regions(role, model) if is_support(region.affordance)
     ]
     for role in _movable(roles):
         if role not in paired:

@@ -47,7 +47,7 @@ def plan_report(plan: Plan) -> dict[str, Any]:
             "name": plan.robot.name,
             "file": plan.robot.description.path,
             "options": plan.robot.description.options,
-            "T_world_base": pose_dict(plan.T_world_agent * plan.robot.T_world_base),
+            "T_world_base": pose_dict(plan.robot.T_world_base),
         },
         "scene": {"name": scene.name, "source": scene.source, "objects": tuple(scene.objects)},
         "model": {
@@ -60,9 +60,9 @@ def plan_report(plan: Plan) -> dict[str, Any]:
         "roles": plan.task.binding,
         "grasps": [
             {
-                "hand": hand,
-                "role": role,
-                "object": plan.task.binding[role],
+                "hand": key.hand,
+                "role": key.role,
+                "object": plan.task.binding[key.role],
                 "region": grasp.region,
                 "azimuth_deg": np.degrees(grasp.azimuth),
                 "tilt_deg": np.degrees(grasp.tilt),
@@ -70,7 +70,7 @@ def plan_report(plan: Plan) -> dict[str, Any]:
                 "human_distance_deg": np.degrees(grasp.human_distance),
                 "T_object_tcp": pose_dict(grasp.T_object_tcp),
             }
-            for (role, hand), grasp in plan.grasps.items()
+            for key, grasp in plan.grasps.items()
         ],
         "phases": [
             {
@@ -123,7 +123,7 @@ def _human_likeness(plan: Plan) -> dict[str, Any]:
 
 def _keypoints(plan: Plan) -> list[dict[str, Any]]:
     solution, model_times = plan.solution, plan.task.model.keypoint_times
-    times = np.interp(model_times, plan.clock, plan.trajectory.time)
+    times = np.interp(model_times, plan.model_time, plan.trajectory.time)
     return [
         {
             "index": index,

@@ -1,15 +1,38 @@
-"""The posture a robot starts from and returns to."""
+"""The robot as planning sees it: standing in the agent frame, in the posture that it starts from and returns to."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
+from scipy.spatial.transform import RigidTransform
 
 from sbam.errors import ConfigurationError, UnknownNameError
-from sbam.robots import Robot
+from sbam.robots import Robot, load_robot
 from sbam.robots.limits import planning_limits
+from sbam.scene import Scene
+
+DEFAULT_ROBOT = "panda_dual"
+
+
+def in_agent_frame(robot: Robot) -> Robot:
+    """The robot as planning sees it: what it calls the world is the agent frame."""
+    return robot.placed_for(RigidTransform.identity())
+
+
+def standing_robot(robot: Robot | str | Path | None, scene: Scene) -> Robot:
+    """The robot that is to act in a scene, standing in the agent frame (`in_agent_frame`).
+
+    Args:
+        robot: a robot, or the name or description file of one; None: the scene's, else the bimanual Panda.
+        scene: the scene.
+
+    Raises:
+        UnknownNameError: if the robot is not known.
+    """
+    return in_agent_frame(robot if isinstance(robot, Robot) else load_robot(robot or scene.robot or DEFAULT_ROBOT))
 
 
 def start_from(robot: Robot, joints: Mapping[str, float]) -> tuple[Robot, tuple[str, ...]]:

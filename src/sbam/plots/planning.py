@@ -42,7 +42,7 @@ def plot_comparison(plan: Plan, pairs: Sequence[RegionPair] | None = None) -> Fi
     changes = [change for change in model.changes if pairs is None or change.pair in pairs]
     title = f"{model.name}: demonstrated, learned and executed in {plan.task.scene.name!r} by {plan.robot.name}"
     figure, cells = channel_grid(changes, title, model.synthetic)
-    rows = _thinned(len(plan.clock))
+    rows = _thinned(len(plan.model_time))
     for change, row in zip(changes, cells, strict=True):
         executed = _executed(plan, change, rows)
         demonstrated = [_demonstrated(plan, sketch, change) for sketch in model.demonstrations]
@@ -55,7 +55,7 @@ def plot_comparison(plan: Plan, pairs: Sequence[RegionPair] | None = None) -> Fi
                     axes.plot(time, factor * value, color=GREY, linewidth=0.6, alpha=0.7, label=label)
                     label = None
             draw_channel(axes, channel)
-            axes.plot(plan.clock[rows], factor * executed[:, column], color=RED, linewidth=1.6, label="executed")
+            axes.plot(plan.model_time[rows], factor * executed[:, column], color=RED, linewidth=1.6, label="executed")
             axes.set_xlim(0.0, model.duration)
     legend_below(figure, cells[0][0])
     return figure
@@ -69,7 +69,7 @@ def _executed(plan: Plan, change: GeneralizedChange, rows: NDArray[np.int64]) ->
     else:
         second = _region_path(plan, change.pair.second, rows)
     values = constraint_values(change.constraint, pair_vector(first, second, change.from_agent))
-    learned, _ = change.at(np.clip(plan.clock[rows], 0.0, plan.task.model.duration))
+    learned, _ = change.at(np.clip(plan.model_time[rows], 0.0, plan.task.model.duration))
     circular = constraint_type(change.constraint).circular
     turns = np.round(np.mean(learned - values, axis=0) / (2 * np.pi))
     values[:, circular] += 2 * np.pi * turns[circular]
@@ -77,8 +77,9 @@ def _executed(plan: Plan, change: GeneralizedChange, rows: NDArray[np.int64]) ->
 
 
 def _region_path(plan: Plan, reference: RegionReference, rows: NDArray[np.int64]) -> Array:
-    if reference.role in plan.T_agent_object:
-        return plan.T_agent_object[reference.role][rows].apply(plan.task.region_center(reference))
+    name = plan.task.binding[reference.role]
+    if name in plan.T_agent_object:
+        return plan.T_agent_object[name][rows].apply(plan.task.region_center(reference))
     return np.tile(plan.task.region_at_start(reference), (len(rows), 1))
 
 
@@ -183,15 +184,14 @@ def plot_scene_path(plan: Plan) -> Figure:
     lower, upper = shown.min(axis=0) - MARGIN, shown.max(axis=0) + MARGIN
     figure, (above, beside) = _same_scale(upper - lower, title, plan.task.model.synthetic)
     views = ((above, (0, 1)), (beside, (1, 2)))
-    moved = {item.name: item.role for item in plan.task.moved}
     for name, model in plan.task.scene.objects.items():
         start = plan.task.T_agent_object[name]
-        poses = plan.T_agent_object[moved[name]] if name in moved else None
+        poses = plan.T_agent_object.get(name)
         for axes, plane in views:
             draw_outline(axes, model, start, plane, GREY if model.movable else LIGHT, "-")
             if poses is not None:
                 draw_outline(axes, model, poses[-1], plane, GREY, "--")
-    rows = _thinned(len(plan.clock))
+    rows = _thinned(len(plan.model_time))
     for color, (label, path) in zip(_cycle(), _paths(plan, rows), strict=False):
         for axes, (right, up) in views:
             x, y = 1000.0 * path[:, right], 1000.0 * path[:, up]
@@ -215,7 +215,7 @@ def plot_scene_path(plan: Plan) -> Figure:
 def _paths(plan: Plan, rows: NDArray[np.int64]) -> Iterator[tuple[str, Array]]:
     for moved in plan.task.moved:
         for region in moved.model.affordance_regions:
-            yield f"{region.affordance} of {moved.name}", plan.T_agent_object[moved.role][rows].apply(region.center)
+            yield f"{region.affordance} of {moved.name}", plan.T_agent_object[moved.name][rows].apply(region.center)
 
 
 def _same_scale(size: Array, title: str, synthetic: bool) -> tuple[Figure, list[Axes]]:
@@ -237,7 +237,7 @@ def _extents(plan: Plan) -> list[Array]:
     """Points (P, 3) all around what moves, agent frame, m; the table is shown no further than that."""
     points = []
     for moved in plan.task.moved:
-        poses = plan.T_agent_object[moved.role][_thinned(len(plan.clock))]
+        poses = plan.T_agent_object[moved.name][_thinned(len(plan.model_time))]
         for primitive in moved.model.geometry:
             surface = primitive.T_object_primitive.apply(_surface(primitive.kind, primitive.size))
             points += [poses.apply(point) for point in surface[:: max(1, len(surface) // 64)]]

@@ -1,6 +1,6 @@
 """Robots: description files, batched kinematics, Jacobians, collision checks, human-likeness."""
 
-from sbam.robots.collision import ClearanceReport, CollisionModel, NearPairs
+from sbam.robots.collision import ClearanceReport, CollisionModel, NearPairs, ObjectHand
 from sbam.robots.collision_pairs import PAIR_CLASSES
 from sbam.robots.description import RobotDescription, read_description
 from sbam.robots.human_likeness import HumanLikeness
@@ -17,6 +17,7 @@ __all__ = [
     "HumanLikeness",
     "Kinematics",
     "NearPairs",
+    "ObjectHand",
     "Robot",
     "RobotDescription",
     "load_robot",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +18,17 @@ from sbam.robots.robot import Robot
 from sbam.scene import ObjectModel
 
 Floats = NDArray[np.float64]
-Held = Mapping[tuple[str, ArmName], NDArray[np.bool_]]
+
+
+class ObjectHand(NamedTuple):
+    """A hand, and the object of the scene that it holds or may touch."""
+
+    object: str
+    hand: ArmName
+
+
+Held = Mapping[ObjectHand, NDArray[np.bool_]]
+"""(object, hand) -> (N,) in which samples that hand may touch that object."""
 
 
 @dataclass(frozen=True)

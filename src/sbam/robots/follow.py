@@ -19,7 +19,7 @@ ROTATION_TOLERANCE = np.deg2rad(0.05)  # rad
 
 
 def follow(
-    robot: Robot, hand: ArmName, tcp: RigidTransform, reference: Array, what: str, clock: Array | None = None
+    robot: Robot, hand: ArmName, tcp: RigidTransform, reference: Array, what: str, time: Array | None = None
 ) -> Array:
     """Bring one hand's tool centre point (TCP) through a sequence of poses.
 
@@ -32,7 +32,7 @@ def follow(
         tcp: N poses of its TCP, agent frame.
         reference: (N, n) configurations to stay near.
         what: what it does, for the error.
-        clock: (N,) model time, s, for the error.
+        time: (N,) s, for the error.
 
     Returns:
         (N, n) configurations.
@@ -59,7 +59,7 @@ def follow(
         names = ", ".join(robot.joint_names[j] for j in joints)
         raise UnreachableError(
             f"{robot.name}'s {hand} hand cannot follow its path {what}"
-            + (f" at {clock[worst]:.2f} s" if clock is not None else "")
+            + (f" at {time[worst]:.2f} s" if time is not None else "")
             + f": {1e3 * solution.position_error[worst]:.1f} mm and "
             f"{np.rad2deg(solution.rotation_error[worst]):.1f} degrees off; "
             + (f"joints at their limits: {names}" if names else "the arm is too short")

@@ -1,6 +1,6 @@
 """Affordance regions, object models, the object library and starting scenes."""
 
-from sbam.scene.affordance_region import AffordanceRegion
+from sbam.scene.affordance_region import AffordanceRegion, is_support
 from sbam.scene.built_in_scenes import built_in_scene, built_in_scene_names
 from sbam.scene.geometry import agent_heading_deg, agent_pose, region_centers, support_height, upright_rotation
 from sbam.scene.object_file import load_object
@@ -21,6 +21,7 @@ __all__ = [
     "agent_pose",
     "built_in_scene",
     "built_in_scene_names",
+    "is_support",
     "load_object",
     "load_scene",
     "region_centers",

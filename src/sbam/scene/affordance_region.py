@@ -8,6 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 
+def is_support(affordance: str) -> bool:
+    """Whether regions of that affordance are supports: what things are placed, rolled or cut *onto*."""
+    return affordance.endswith(" onto")
+
+
 @dataclass(frozen=True)
 class AffordanceRegion:
     """An ellipse fixed in its object's frame (paper, section III-A).

@@ -126,7 +126,7 @@ def action_of_plan(plan: Plan) -> Action:
                 opened=phases["place"].end,
             )
         )
-    robot = plan.robot.placed(plan.T_world_agent * plan.robot.T_world_base)
+    robot = plan.robot
     return Action(
         name=f"{plan.task.model.name} in {plan.task.scene.name} by {plan.robot.name}",
         scene=plan.task.scene,

@@ -51,7 +51,7 @@ class Playback:
         self.plan = plan
         self.duration = plan.trajectory.duration
         scene = plan.task.scene
-        robot = plan.robot.placed(plan.T_world_agent * plan.robot.T_world_base)
+        robot = plan.robot
         spec = robot.spec(lock=False)
         add_objects(spec, scene.objects)
         self.floor = _lowest_furniture(plan, float(robot.T_world_base.translation[2])) - FLOOR_GAP

@@ -8,8 +8,9 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.scenes import starting_scene
 from sbam.errors import UnreachableError
+from sbam.planning.bind import bind
 from sbam.planning.grasping.candidates import AZIMUTHS, DEPTHS, HEIGHTS, TILTS_ACROSS, TILTS_AROUND, candidate_grasps
-from sbam.planning.task import MovedObject, bind
+from sbam.planning.task import MovedObject
 from sbam.robots import CollisionModel
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sbam.demonstrations.scenes import starting_scene
+from sbam.planning.bind import bind
 from sbam.planning.grasping.candidates import (
     LAID_ON,
     PALM_CLEARANCE,
@@ -13,7 +14,7 @@ from sbam.planning.grasping.candidates import (
     candidate_grasps,
 )
 from sbam.planning.plan import plan
-from sbam.planning.task import MovedObject, bind
+from sbam.planning.task import MovedObject
 from sbam.robots import CollisionModel, Robot, load_robot
 
 UP = np.array([0.0, 0.0, 1.0])

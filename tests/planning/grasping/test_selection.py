@@ -8,6 +8,7 @@ from sbam.errors import UnreachableError
 from sbam.planning.grasping.selection import choose_grasps
 from sbam.planning.keypoints.free_flight import solve_free_flight
 from sbam.planning.motion.allowed_contacts import collision_model, meeting_objects
+from sbam.planning.start import in_agent_frame
 
 
 @pytest.fixture(scope="module")
@@ -30,12 +31,12 @@ def checkpoints(small_plan, some):
 
 @pytest.fixture(scope="module")
 def combinations(small_plan, checkpoints, times):
-    shapes = collision_model(small_plan.task, small_plan.robot)
-    return choose_grasps(small_plan.task, small_plan.robot, shapes, checkpoints, times, seed=0)
+    shapes = collision_model(small_plan.task, in_agent_frame(small_plan.robot))
+    return choose_grasps(small_plan.task, in_agent_frame(small_plan.robot), shapes, checkpoints, times, seed=0)
 
 
 def test_every_chosen_grasp_holds_its_object_while_it_is_carried(small_plan, checkpoints, times, combinations):
-    robot = small_plan.robot
+    robot = in_agent_frame(small_plan.robot)
     assert 1 < len(combinations) <= 60
     for combination in combinations[:5]:
         assert set(combination) == {("pour_from", "right"), ("pour_into", "left")}
@@ -57,8 +58,8 @@ def test_combinations_differ(combinations):
 
 
 def test_the_same_seed_chooses_the_same(small_plan, checkpoints, times, combinations):
-    shapes = collision_model(small_plan.task, small_plan.robot)
-    again = choose_grasps(small_plan.task, small_plan.robot, shapes, checkpoints, times, seed=0)
+    shapes = collision_model(small_plan.task, in_agent_frame(small_plan.robot))
+    again = choose_grasps(small_plan.task, in_agent_frame(small_plan.robot), shapes, checkpoints, times, seed=0)
     for first, second in zip(combinations, again, strict=True):
         for key in first:
             np.testing.assert_array_equal(first[key].configurations, second[key].configurations)
@@ -77,5 +78,6 @@ def test_objects_that_the_action_brings_together_may_touch(small_plan, rolling_p
 
 def test_out_of_reach_says_how_far(small_plan, checkpoints, times):
     far = {role: RigidTransform.from_translation([0.0, 0.8, 0.0]) * pose for role, pose in checkpoints.items()}
+    robot = in_agent_frame(small_plan.robot)
     with pytest.raises(UnreachableError, match=r"'apple_juice' with none of \d+ grasps .* by \d+ mm"):
-        choose_grasps(small_plan.task, small_plan.robot, collision_model(small_plan.task, small_plan.robot), far, times)
+        choose_grasps(small_plan.task, robot, collision_model(small_plan.task, robot), far, times)

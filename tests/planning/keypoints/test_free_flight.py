@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from sbam.demonstrations.scenes import starting_scene
+from sbam.planning.bind import bind
 from sbam.planning.keypoints.free_flight import flying_hands, solve_free_flight
 from sbam.planning.settings import PlanSettings
-from sbam.planning.task import bind
 
 
 @pytest.fixture(scope="module", params=["pouring", "rolling"])

@@ -9,6 +9,7 @@ from scipy.spatial.transform import RigidTransform
 from sbam.constraints import RegionPair, RegionReference
 from sbam.demonstrations.scenes import starting_scene
 from sbam.learning.generalization import GeneralizedChange, GeneralizedChannel
+from sbam.planning.bind import bind
 from sbam.planning.keypoints.targets import (
     START_SPREADS,
     Placement,
@@ -18,7 +19,7 @@ from sbam.planning.keypoints.targets import (
     vector_shift,
 )
 from sbam.planning.settings import PlanSettings
-from sbam.planning.task import Task, bind
+from sbam.planning.task import Task
 
 DEFAULT = PlanSettings()
 TIMES = np.linspace(0.0, 1.0, 11)

@@ -10,10 +10,10 @@ from sbam.demonstrations.synthetic import built_in_demonstrations
 from sbam.evaluation.executed_motion import flight
 from sbam.evaluation.person import person_motion
 from sbam.learning.learn import learn
+from sbam.planning.bind import bind
 from sbam.planning.motion.object_path import acting_point, object_path, shapes_of
 from sbam.planning.plan import plan
 from sbam.planning.settings import PlanSettings
-from sbam.planning.task import bind
 from sbam.scene import ObjectLibrary
 
 
@@ -48,7 +48,7 @@ def test_objects_rest_before_and_after_as_without(case):
     task, _ = case
     (pin,) = task.moved
     executed = flight(task, PlanSettings(between="primitive"))
-    pose, clock = executed.T_agent_object[pin.role], executed.clock
+    pose, clock = executed.T_agent_object[pin.name], executed.model_time
     for still, at in ((clock <= pin.lift, pin.start), (clock >= pin.place, pin.put_down)):
         np.testing.assert_allclose(pose[still].translation - at.translation, 0, atol=1e-9)
         assert (pose[still].rotation * at.rotation.inv()).magnitude().max() < 1e-9

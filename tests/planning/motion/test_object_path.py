@@ -113,7 +113,7 @@ def test_turning_points_are_reached(rolling_plan, problem_of, clock):
     reversals = [anchor.time for anchor in rolling_plan.task.model.anchors if anchor.kind == "reversal"]
     assert len(reversals) > 5
     at = np.searchsorted(times, np.array(reversals) - 1e-6)
-    near = np.abs(path.time[:, None] - reversals).argmin(axis=0)
+    near = np.abs(path.model_time[:, None] - reversals).argmin(axis=0)
     assert np.abs(path.pose.translation[near, 1] - poses.translation[at, 1]).max() < 0.002
     assert path.pose.translation[:, 1].max() < poses.translation[:, 1].max() + 1e-3
 

@@ -11,6 +11,7 @@ from sbam.planning.motion.allowed_contacts import collision_model, touching_hand
 from sbam.planning.motion.carrying import Holding, hold_objects
 from sbam.planning.motion.motion import Motion, with_approaches
 from sbam.planning.plan import Plan, plan
+from sbam.planning.start import in_agent_frame
 
 
 @pytest.fixture(scope="module")
@@ -26,16 +27,14 @@ def holding(crossing, problem_of) -> Holding:
     q = crossing.solution.configurations
     poses = problem_of(crossing).state(q).object_poses()
     times = crossing.task.model.keypoint_times
-    return hold_objects(crossing.task, crossing.robot, crossing.grasps, times, q, poses)
+    return hold_objects(crossing.task, in_agent_frame(crossing.robot), crossing.grasps, times, q, poses)
 
 
 def distances(plan: Plan, motion: Motion) -> np.ndarray:
     """(N,) least distance at every tick of what must not touch."""
-    objects = {**plan.task.T_agent_object}
-    for moved, path in zip(plan.task.moved, motion.objects, strict=True):
-        objects[moved.name] = path.pose
+    objects = {**plan.task.T_agent_object, **motion.T_agent_object}
     held = touching_hands(plan.task, motion.phases, motion.clock)
-    report = collision_model(plan.task, plan.robot).clearances(motion.configurations, objects, held)
+    report = collision_model(plan.task, in_agent_frame(plan.robot)).clearances(motion.configurations, objects, held)
     return np.min([d for kind, d in report.distance_by_class.items() if kind != "palm-object"], axis=0)
 
 
@@ -48,7 +47,7 @@ def test_arms_that_cross(crossing):
 
 
 def test_the_action_waits_for_the_arm_that_passes(crossing):
-    clock, time = crossing.clock, crossing.trajectory.time
+    clock, time = crossing.model_time, crossing.trajectory.time
     assert np.diff(clock).min() > 0.0
     rate = np.gradient(clock, time)
     waits = rate < 0.02
@@ -63,17 +62,17 @@ def test_the_action_waits_for_the_arm_that_passes(crossing):
 
 
 def test_the_distance_that_the_ways_promise_is_kept(crossing, holding):
-    shapes = collision_model(crossing.task, crossing.robot)
-    motion = with_approaches(crossing.task, crossing.robot, shapes, holding)
-    assert motion.clearance > 0.0
+    shapes = collision_model(crossing.task, in_agent_frame(crossing.robot))
+    motion = with_approaches(crossing.task, in_agent_frame(crossing.robot), shapes, holding)
+    assert motion.surplus > 0.0
     # Ways are looked at in samples, a few centimetres apart.
-    assert distances(crossing, motion).min() > min(motion.clearance, 0.0) - 0.002
+    assert distances(crossing, motion).min() > min(motion.surplus, 0.0) - 0.002
 
 
 def test_more_distance_takes_other_ways(crossing, holding):
-    shapes = collision_model(crossing.task, crossing.robot)
-    motion = with_approaches(crossing.task, crossing.robot, shapes, holding, clearance=0.06)
-    assert motion.clearance < 0.0
+    shapes = collision_model(crossing.task, in_agent_frame(crossing.robot))
+    motion = with_approaches(crossing.task, in_agent_frame(crossing.robot), shapes, holding, clearance=0.06)
+    assert motion.surplus < 0.0
     assert motion.narrowest in crossing.grasps
 
 
@@ -82,8 +81,8 @@ def test_without_the_other_arm_nothing_waits(small_plan, problem_of):
     q = small_plan.solution.configurations
     poses = problem_of(small_plan).state(q).object_poses()
     times = small_plan.task.model.keypoint_times
-    held = hold_objects(small_plan.task, small_plan.robot, small_plan.grasps, times, q, poses)
-    shapes = collision_model(small_plan.task, small_plan.robot)
-    motion = with_approaches(small_plan.task, small_plan.robot, shapes, held)
+    held = hold_objects(small_plan.task, in_agent_frame(small_plan.robot), small_plan.grasps, times, q, poses)
+    shapes = collision_model(small_plan.task, in_agent_frame(small_plan.robot))
+    motion = with_approaches(small_plan.task, in_agent_frame(small_plan.robot), shapes, held)
     np.testing.assert_allclose(motion.model_time, motion.clock, atol=1e-9)
     assert motion.notes == ()

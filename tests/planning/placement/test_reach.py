@@ -5,15 +5,16 @@ import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.planning.placement.reach import hand_targets, reach_from
+from sbam.planning.start import in_agent_frame
 from sbam.robots.inverse_kinematics import solve_poses
 
 
 @pytest.fixture(scope="module")
 def case(small_plan):
-    robot, task = small_plan.robot, small_plan.task
+    robot, task = in_agent_frame(small_plan.robot), small_plan.task
     poses = {
-        moved.role: small_plan.T_agent_object[moved.role][
-            np.searchsorted(small_plan.clock, task.model.keypoint_times).clip(0, len(small_plan.clock) - 1)
+        moved.role: small_plan.T_agent_object[moved.name][
+            np.searchsorted(small_plan.model_time, task.model.keypoint_times).clip(0, len(small_plan.model_time) - 1)
         ]
         for moved in task.moved
     }

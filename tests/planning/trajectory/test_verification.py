@@ -11,8 +11,9 @@ from sbam.planning.motion.allowed_contacts import collision_model
 from sbam.planning.motion.carrying import hold_objects
 from sbam.planning.motion.motion import with_approaches
 from sbam.planning.plan import Plan
+from sbam.planning.start import in_agent_frame
 from sbam.planning.trajectory.timing import time_path
-from sbam.planning.trajectory.verification import CLOSURE_POSITION, CLOSURE_ROTATION, execute, phase_times
+from sbam.planning.trajectory.verification import CLOSURE_POSITION, CLOSURE_ROTATION, phase_times, verify
 from sbam.robots.inverse_kinematics import solve_poses
 from sbam.scene import ObjectLibrary
 
@@ -26,11 +27,10 @@ def rehearsal(problem_of):
     def make(plan: Plan):
         poses = problem_of(plan).state(plan.solution.configurations).object_poses()
         times = plan.task.model.keypoint_times
-        shapes = collision_model(plan.task, plan.robot)
-        q = plan.solution.configurations
-        holding = hold_objects(plan.task, plan.robot, plan.grasps, times, q, poses)
-        motion = with_approaches(plan.task, plan.robot, shapes, holding)
-        return motion, *time_path(plan.robot, motion.clock, motion.configurations, plan.settings.speed, RATE)
+        robot = in_agent_frame(plan.robot)
+        holding = hold_objects(plan.task, robot, plan.grasps, times, plan.solution.configurations, poses)
+        motion = with_approaches(plan.task, robot, collision_model(plan.task, robot), holding)
+        return motion, *time_path(robot, motion.clock, motion.configurations, plan.settings.speed, RATE)
 
     return make
 
@@ -49,13 +49,14 @@ def failing(plan: Plan, rehearsed, **changes) -> set[str]:
     """Names of the checks that fail when something is changed."""
     motion, trajectory, clock = rehearsed
     arguments = {"task": plan.task, "grasps": plan.grasps, "trajectory": trajectory, "clearance": 0.0, **changes}
-    shapes = collision_model(arguments["task"], plan.robot)
-    execution = execute(robot=plan.robot, collision=shapes, motion=motion, clock=clock, **arguments)
-    return {check.name for check in execution.checks if not check.ok}
+    robot = in_agent_frame(plan.robot)
+    shapes = collision_model(arguments["task"], robot)
+    _, checks = verify(robot=robot, collision=shapes, motion=motion, clock=clock, **arguments)
+    return {check.name for check in checks if not check.ok}
 
 
 def tcp_path(plan: Plan, hand, position: np.ndarray) -> RigidTransform:
-    k = plan.robot.kinematics(position, [plan.robot.arms[hand].tcp_frame])
+    k = in_agent_frame(plan.robot).kinematics(position, [plan.robot.arms[hand].tcp_frame])
     return RigidTransform.from_components(k.position[:, 0], Rotation.from_matrix(k.rotation[:, 0]))
 
 
@@ -69,7 +70,7 @@ def test_objects_move_only_while_they_are_held(which, small_plan, rolling_plan):
     plan = small_plan if which == "pouring" else rolling_plan
     time = plan.trajectory.time
     for moved in plan.task.moved:
-        pose = plan.T_agent_object[moved.role].as_matrix()
+        pose = plan.T_agent_object[moved.name].as_matrix()
         phases = {p.name: p for p in plan.phases if p.role == moved.role and p.hand == moved.hands[0]}
         before, after = time <= phases["grasp"].end, time >= phases["place"].start
         np.testing.assert_allclose(
@@ -97,7 +98,7 @@ def test_every_hand_keeps_its_grasp_by_forward_kinematics(which, small_plan, rol
             time = plan.trajectory.time
             held = np.flatnonzero((time >= phases["grasp"].start) & (time <= phases["place"].end))[::20]
             tcp = tcp_path(plan, hand, plan.trajectory.position[held])
-            slip = (plan.T_agent_object[moved.role][held] * plan.grasps[moved.role, hand].T_object_tcp).inv() * tcp
+            slip = (plan.T_agent_object[moved.name][held] * plan.grasps[moved.role, hand].T_object_tcp).inv() * tcp
             assert np.linalg.norm(slip.translation, axis=1).max() < CLOSURE_POSITION
             assert slip.rotation.magnitude().max() < CLOSURE_ROTATION
 
@@ -172,8 +173,8 @@ def test_planted_obstacles(small_plan, pouring):
     _, trajectory, clock = pouring
     sample = int(np.argmin(np.abs(clock - 4.5)))
     hand = tcp_path(small_plan, "right", trajectory.position[[sample]]).translation[0]
-    bottle = small_plan.T_agent_object["pour_from"]
-    in_plan = int(np.argmin(np.abs(small_plan.clock - 4.5)))
+    bottle = small_plan.T_agent_object["apple_juice"]
+    in_plan = int(np.argmin(np.abs(small_plan.model_time - 4.5)))
     spout = bottle[in_plan].apply([0.0, 0.240, 0.0])
     assert "clearance arm-object" in failing(small_plan, pouring, task=with_obstacle(small_plan, hand, movable=True))
     assert "clearance arm-support" in failing(small_plan, pouring, task=with_obstacle(small_plan, hand, movable=False))
@@ -188,7 +189,7 @@ def test_arms_that_meet(small_plan, pouring):
     """For a moment in the middle both hands are at the same place."""
     _, trajectory, _ = pouring
     position = trajectory.position.copy()
-    robot = small_plan.robot
+    robot = in_agent_frame(small_plan.robot)
     place = np.broadcast_to([0.0, 0.5, 0.4], (1, 2, 3))
     downwards = np.broadcast_to(np.diag([1.0, -1.0, -1.0]), (1, 2, 3, 3))
     meeting = solve_poses(robot, ("left", "right"), place, downwards, robot.home)
@@ -213,7 +214,7 @@ def test_torques_at_rest_are_those_of_pinocchio(small_plan, pouring):
     from sbam.robots import ROBOTS
 
     motion, trajectory, clock = pouring
-    robot = small_plan.robot
+    robot = in_agent_frame(small_plan.robot)
     count = len(trajectory.time)
     still = replace(
         trajectory,
@@ -224,8 +225,8 @@ def test_torques_at_rest_are_those_of_pinocchio(small_plan, pouring):
     light = tuple(replace(m, model=replace(m.model, mass=0.0)) for m in small_plan.task.moved)
     task = replace(small_plan.task, moved=light)
     shapes = collision_model(task, robot)
-    execution = execute(task, robot, shapes, small_plan.grasps, motion, still, clock, 0.0)
-    found = next(check for check in execution.checks if check.name == "torque limits")
+    _, checks = verify(task, robot, shapes, small_plan.grasps, motion, still, clock, 0.0)
+    found = next(check for check in checks if check.name == "torque limits")
     model = pin.buildModelFromMJCF(str(ROBOTS["panda_dual"].parent / "panda_arm.xml"))
     data = model.createData()
     arm = robot.arms["left"].joint_indices

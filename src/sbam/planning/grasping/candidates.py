@@ -19,7 +19,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from sbam.demonstrations.demonstration import Hand
 from sbam.errors import UnreachableError
 from sbam.planning.task import MovedObject
-from sbam.robots import Robot
+from sbam.robots import ObjectHand, Robot
 from sbam.robots.collision import CollisionModel
 from sbam.robots.collision_pairs import hand_bodies
 from sbam.scene import GraspRegion
@@ -193,7 +193,7 @@ def _depths(
     away = RigidTransform.from_translation([0.0, 0.0, -100.0])
     objects = dict.fromkeys(collision.shapes.objects, away)
     objects[moved.name] = T_agent_home * T_agent_tcp.inv() * moved.start
-    held: dict[tuple[str, Hand], NDArray[np.bool_]] = {(moved.name, hand): np.full(samples, not has_palm, dtype=bool)}
+    held = {ObjectHand(moved.name, hand): np.full(samples, not has_palm, dtype=bool)}
     near = collision.near(
         np.tile(home, (samples, 1)), objects, held, PALM_CLEARANCE, classes=("arm-object", "palm-object")
     )

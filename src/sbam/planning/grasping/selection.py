@@ -13,10 +13,10 @@ from scipy.spatial.transform import RigidTransform
 from sbam.demonstrations.demonstration import Hand
 from sbam.errors import UnreachableError
 from sbam.planning.grasping.candidates import Grasp, candidate_grasps
-from sbam.planning.task import MovedObject, Task
-from sbam.robots import HumanLikeness, Robot
+from sbam.planning.grasping.follow_outwards import follow_outwards, solve_hand
+from sbam.planning.task import MovedObject, RoleHand, Task
+from sbam.robots import HumanLikeness, ObjectHand, Robot
 from sbam.robots.collision import CollisionModel
-from sbam.robots.inverse_kinematics import solve_poses
 
 Array = NDArray[np.float64]
 
@@ -31,10 +31,10 @@ COMBINATIONS = 60  # combinations whose clearance is measured at once, the best 
 MOST = 4  # times that
 ENOUGH_CLEAR = 6  # combinations that keep clear; more are not looked for
 HUMAN = 0.7  # score per unit of the weighted t_h
-COMFORTABLE = 0.03  # m: more clearance than this is not better
+AMPLE = 0.03  # m: more clearance than this is not better
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # each is itself: searches remember those that they tried
 class FollowedGrasp:
     """A grasp with which one arm can follow its object through all checkpoints.
 
@@ -94,9 +94,8 @@ def follow_grasps(
     failed_at = np.full(count, hardest)
     works = np.zeros(count, dtype=bool)
     for batch in np.array_split(reachable[np.argsort(promise)], range(FOLLOW, len(reachable), FOLLOW)):
-        path[batch], failed_at[batch] = _outwards(
-            robot, hand, joints, position[batch], rotation[batch], first[batch], hardest
-        )
+        followed = follow_outwards(robot, hand, position[batch], rotation[batch], first[batch], hardest)
+        path[batch], failed_at[batch] = followed.configurations, followed.broken_at
         works[batch] = failed_at[batch] < 0
         if works.sum() >= KEEP:
             break
@@ -117,41 +116,6 @@ def follow_grasps(
         ),
         key=lambda followed: followed.score,
     )
-
-
-def _outwards(
-    robot: Robot,
-    hand: Hand,
-    joints: NDArray[np.int_],
-    position: Array,
-    rotation: Array,
-    first: Array,
-    hardest: int,
-) -> tuple[Array, NDArray[np.int_]]:
-    """Follow G paths of M poses of one hand from one checkpoint to both ends.
-
-    Returns:
-        Configurations (G, M, n) and the checkpoint at which each path breaks (G,), -1 where it does not.
-    """
-    count, checkpoints = position.shape[:2]
-    path = np.empty((count, checkpoints, first.shape[-1]))
-    path[:, hardest] = first
-    failed_at = np.full(count, -1)
-    for step in range(1, checkpoints):
-        ends = [m for m in (hardest - step, hardest + step) if 0 <= m < checkpoints]
-        alive = np.flatnonzero(failed_at < 0)
-        if not ends or len(alive) == 0:
-            break
-        grasp, m = np.tile(alive, len(ends)), np.repeat(ends, len(alive))
-        before = path[grasp, m - np.sign(m - hardest)]
-        solution = solve_poses(
-            robot, [hand], position[grasp, m, None], rotation[grasp, m, None], before, pull=(3e-2, 1e-3)
-        )
-        path[grasp, m] = solution.configurations
-        jump = np.abs(solution.configurations - before)[:, joints].max(axis=1)
-        broken = ~(solution.reached() & (jump < 1.5))
-        failed_at[grasp[broken]] = m[broken]
-    return path, failed_at
 
 
 class _Posture:
@@ -191,13 +155,12 @@ def _at_hardest(
         if len(left) == 0 or count - len(left) >= ENOUGH:
             break
         begin = starts[tried]
-        solution = solve_poses(
+        solution = solve_hand(
             robot,
-            [hand],
-            np.repeat(position[left], len(begin), axis=0)[:, None],
-            np.repeat(rotation[left], len(begin), axis=0)[:, None],
+            hand,
+            np.repeat(position[left], len(begin), axis=0),
+            np.repeat(rotation[left], len(begin), axis=0),
             np.tile(begin, (len(left), 1)),
-            pull=(3e-2, 1e-3),
         )
         near = robot.turned_near(solution.configurations, robot.home)  # no turn more than needed
         q[left, tried] = near.reshape(len(left), len(begin), -1)
@@ -241,7 +204,7 @@ def choose_grasps(
     times: Array,
     seed: int = 0,
     human_likeness: float = 0.0,
-) -> list[dict[tuple[str, Hand], FollowedGrasp]]:
+) -> list[dict[RoleHand, FollowedGrasp]]:
     """Combinations of grasps for all hands, best first.
 
     Each grasp works by itself at all checkpoints from its object's lift to its place; the combinations are ranked by
@@ -262,10 +225,10 @@ def choose_grasps(
     Raises:
         UnreachableError: if a hand finds no grasp.
     """
-    keys: list[tuple[MovedObject, Hand]] = [(moved, hand) for moved in task.moved for hand in moved.hands]
     held = {moved.role: _held(moved, times) for moved in task.moved}
     options = []
-    for moved, hand in keys:
+    for moved, key in task.holds:
+        hand = key.hand
         during = held[moved.role]
         on_way = poses[moved.role][during]
         followed = follow_grasps(robot, collision, moved, hand, on_way, seed, human_likeness)[:EXAMINE]
@@ -277,25 +240,24 @@ def choose_grasps(
         scored = [replace(item, score=item.score + _penalty(c)) for item, c in zip(followed, clearance, strict=True)]
         options.append(sorted(scored, key=lambda item: item.score)[:KEEP])
     combinations = sorted(product(*options), key=lambda items: sum(item.score for item in items))
-    if len(keys) == 1:
+    if len(options) == 1:
         combinations = combinations[:COMBINATIONS]
     else:
-        combinations = _by_arms_clearance(task, robot, collision, keys, combinations, poses, held)
-    return [
-        {(moved.role, hand): item for (moved, hand), item in zip(keys, items, strict=True)} for items in combinations
-    ]
+        combinations = _by_arms_clearance(task, robot, collision, combinations, poses, held)
+    keys = [key for _, key in task.holds]
+    return [dict(zip(keys, items, strict=True)) for items in combinations]
 
 
 def _by_arms_clearance(
     task: Task,
     robot: Robot,
     collision: CollisionModel,
-    keys: Sequence[tuple[MovedObject, Hand]],
     combinations: Sequence[tuple[FollowedGrasp, ...]],
     poses: Mapping[str, RigidTransform],
     held: Mapping[str, NDArray[np.bool_]],
 ) -> list[tuple[FollowedGrasp, ...]]:
     """The combinations ranked with the clearance between the arms; goes on until enough of them keep clear."""
+    keys: list[tuple[MovedObject, Hand]] = [(moved, key.hand) for moved, key in task.holds]
     scores: list[float] = []
     clear = 0
     while clear < ENOUGH_CLEAR and len(scores) < min(len(combinations), MOST * COMBINATIONS):
@@ -347,15 +309,13 @@ def _clearances(
     every = np.tile(np.arange(checkpoints), grasps)
     objects = dict(task.T_agent_object)
     objects.update({moved.name: poses[moved.role][every] for moved in task.moved})
-    by_hand: dict[tuple[str, Hand], NDArray[np.bool_]] = {
-        (moved.name, hand): held[moved.role][every] for moved in task.moved for hand in moved.hands
-    }
+    by_hand = {ObjectHand(moved.name, hand): held[moved.role][every] for moved in task.moved for hand in moved.hands}
     report = collision.clearances(
-        configurations.reshape(-1, joints), objects, by_hand, COMFORTABLE, motions=grasps, classes=kinds
+        configurations.reshape(-1, joints), objects, by_hand, AMPLE, motions=grasps, classes=kinds
     )
     return np.min([report.distance_by_class[kind] for kind in kinds], axis=0)
 
 
 def _penalty(clearance: float) -> float:
     """What a small clearance adds to the score: little while there is some, much where things touch."""
-    return max(0.0, 1.0 - clearance / COMFORTABLE) + (10.0 + 100.0 * -clearance if clearance < 0 else 0.0)
+    return max(0.0, 1.0 - clearance / AMPLE) + (10.0 + 100.0 * -clearance if clearance < 0 else 0.0)

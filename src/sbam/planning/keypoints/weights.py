@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from sbam.constraints import constraint_type
 from sbam.learning.generalization import GeneralizedChange
 from sbam.learning.model import ActionModel
+from sbam.scene import is_support
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,6 @@ def pair_weights(model: ActionModel, change: GeneralizedChange, times: Array, pr
 def _rest(change: GeneralizedChange, start: Array) -> Array:
     """Where a pair's distance is measured from: on a support from where it stood at the start, else from zero."""
     second = change.pair.second
-    if second is not None and second.affordance.startswith("place onto"):
+    if second is not None and is_support(second.affordance):
         return start * np.array([1.0, 1.0, 0.0])
     return np.zeros_like(start)

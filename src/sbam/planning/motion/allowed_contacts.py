@@ -7,11 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.demonstrations.demonstration import Hand
 from sbam.planning.motion.timeline import Phase
 from sbam.planning.motion.transfer import LINE_TIME
 from sbam.planning.task import Task
-from sbam.robots import Robot
+from sbam.robots import ObjectHand, Robot
 from sbam.robots.collision import CollisionModel
 
 
@@ -32,12 +31,12 @@ def collision_model(task: Task, robot: Robot) -> CollisionModel:
 
 def touching_hands(
     task: Task, phases: Sequence[Phase], clock: NDArray[np.float64]
-) -> dict[tuple[str, Hand], NDArray[np.bool_]]:
+) -> dict[ObjectHand, NDArray[np.bool_]]:
     """(object, hand) -> (N,) when it may touch the object: on the straight ways to and from it, and between."""
     masks = {}
     for moved in task.moved:
         for hand in moved.hands:
             phase = {p.name: p for p in phases if p.role == moved.role and p.hand == hand}
             begin, end = phase["grasp"].start - LINE_TIME, phase["place"].end + LINE_TIME
-            masks[moved.name, hand] = (clock >= begin) & (clock <= end)
+            masks[ObjectHand(moved.name, hand)] = (clock >= begin) & (clock <= end)
     return masks

@@ -114,9 +114,7 @@ def clearance_term(
     begin, end = min(p.start for p in carrying), max(p.end for p in carrying)
     ticks = np.flatnonzero((motion.clock >= begin) & (motion.clock <= end))[::EVERY]
     clock, q = motion.clock[ticks], motion.configurations[ticks]
-    poses = dict(task.T_agent_object)
-    paths = {path.role: path.pose[ticks] for path in motion.objects}
-    poses.update({moved.name: paths[moved.role] for moved in task.moved})
+    poses = {**task.T_agent_object, **{name: path[ticks] for name, path in motion.T_agent_object.items()}}
     near = collision.near(q, poses, touching_hands(task, motion.phases, clock), margin + LOOK_AHEAD)
     # Only the joints of arms that carry something follow the keypoints.
     steered = np.zeros(q.shape, dtype=bool)

@@ -12,12 +12,11 @@ from scipy.interpolate import pchip_interpolate
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import RigidTransform
 
-from sbam.demonstrations.demonstration import Hand
 from sbam.planning.grasping.candidates import Grasp
 from sbam.planning.motion.demonstrated_shape import DemonstratedShape
 from sbam.planning.motion.object_path import EASING, SMOOTHING, ObjectPath, object_path
 from sbam.planning.motion.timeline import STEP, Phase, Timeline
-from sbam.planning.task import MovedObject, Task
+from sbam.planning.task import MovedObject, RoleHand, Task
 from sbam.robots import Robot
 from sbam.robots.follow import follow
 
@@ -40,18 +39,18 @@ class Holding:
         timeline: all of them together; before its grasp and after its release a hand stays there.
     """
 
-    grasps: Mapping[tuple[str, Hand], Grasp]
+    grasps: Mapping[RoleHand, Grasp]
     keypoint_times: Array
     torso: Array
     paths: Mapping[str, ObjectPath]
-    configurations: Mapping[tuple[str, Hand], Array]
+    configurations: Mapping[RoleHand, Array]
     timeline: Timeline
 
 
 def hold_objects(
     task: Task,
     robot: Robot,
-    grasps: Mapping[tuple[str, Hand], Grasp],
+    grasps: Mapping[RoleHand, Grasp],
     keypoint_times: Array,
     configurations: Array,
     object_poses: Mapping[str, RigidTransform],
@@ -77,9 +76,9 @@ def hold_objects(
     shapes = shapes or {}
     configurations = _with_steady_torso(task, robot, keypoint_times, configurations)
     paths: dict[str, ObjectPath] = {}
-    holds: dict[tuple[str, Hand], Array] = {}
+    holds: dict[RoleHand, Array] = {}
     for moved in task.moved:
-        ticks, poses = _hold_clock(moved), object_poses[moved.role]
+        ticks, poses = _hold_times(moved), object_poses[moved.role]
         path = object_path(task, moved, keypoint_times, poses, _longer(ticks), shapes.get(moved.role))
         paths[moved.role] = path
         for hand in moved.hands:
@@ -90,8 +89,8 @@ def hold_objects(
                 hold = np.stack([np.interp(ticks, keypoint_times, column) for column in configurations.T], axis=-1)
             else:
                 pose = path.pose[MARGIN:-MARGIN]
-                hold = _hold(robot, moved, grasps[moved.role, hand], keypoint_times, configurations, pose)
-            holds[moved.role, hand] = hold
+                hold = _hold(robot, moved, grasps[RoleHand(moved.role, hand)], keypoint_times, configurations, pose)
+            holds[RoleHand(moved.role, hand)] = hold
     torso = configurations[:, robot.torso_indices]
     return Holding(grasps, keypoint_times, torso, paths, holds, _timeline(task, robot, holds))
 
@@ -117,18 +116,18 @@ def references(keypoint_times: Array, values: Array, time: Array) -> Array:
     return gaussian_filter1d(between, SMOOTHING / STEP, axis=0, mode="nearest")
 
 
-def _hold_clock(moved: MovedObject) -> Array:
-    """The clock's ticks from just before the lift to just after the place."""
+def _hold_times(moved: MovedObject) -> Array:
+    """Model times of the ticks from just before the lift to just after the place, s."""
     return STEP * np.arange(np.floor(moved.lift / STEP), np.ceil(moved.place / STEP) + 1.0, dtype=np.float64)
 
 
-def _longer(clock: Array) -> Array:
-    """A hold's clock with `MARGIN` more ticks at both ends.
+def _longer(times: Array) -> Array:
+    """A hold's times with `MARGIN` more ticks at both ends.
 
-    What is smoothed over them equals, on the hold, what is smoothed over the whole clock.
+    What is smoothed over them equals, on the hold, what is smoothed over the whole action.
     """
     more = STEP * np.arange(1, MARGIN + 1)
-    return np.concatenate([clock[0] - more[::-1], clock, clock[-1] + more])
+    return np.concatenate([times[0] - more[::-1], times, times[-1] + more])
 
 
 def _hold(
@@ -139,22 +138,22 @@ def _hold(
     configurations: Array,
     pose: RigidTransform,
 ) -> Array:
-    """Configurations (M, n) of one arm that keep its grasp of the object on every tick of `_hold_clock`."""
-    clock = _hold_clock(moved)
+    """Configurations (M, n) of one arm that keep its grasp of the object on every tick of `_hold_times`."""
+    times = _hold_times(moved)
     tcp = pose * grasp.T_object_tcp
-    clipped = np.clip(_longer(clock), moved.lift, moved.place)
+    clipped = np.clip(_longer(times), moved.lift, moved.place)
     reference = references(keypoint_times, configurations, clipped)[MARGIN:-MARGIN]
-    torso = references(keypoint_times, configurations[:, robot.torso_indices], _longer(clock))
+    torso = references(keypoint_times, configurations[:, robot.torso_indices], _longer(times))
     reference[:, robot.torso_indices] = torso[MARGIN:-MARGIN]
-    solved = follow(robot, grasp.hand, tcp, reference, f"holding {moved.name!r}", clock)
+    solved = follow(robot, grasp.hand, tcp, reference, f"holding {moved.name!r}", times)
     return solved
 
 
-def _timeline(task: Task, robot: Robot, holds: Mapping[tuple[str, Hand], Array]) -> Timeline:
+def _timeline(task: Task, robot: Robot, holds: Mapping[RoleHand, Array]) -> Timeline:
     """Every hand from grasp to release; before and after it stays there."""
     closing = round(CLOSING_TIME / STEP)
-    lifts = {moved.role: round(_hold_clock(moved)[0] / STEP) for moved in task.moved}
-    places = {moved.role: round(_hold_clock(moved)[-1] / STEP) for moved in task.moved}
+    lifts = {moved.role: round(_hold_times(moved)[0] / STEP) for moved in task.moved}
+    places = {moved.role: round(_hold_times(moved)[-1] / STEP) for moved in task.moved}
     first, last = min(lifts.values()) - closing, max(places.values()) + closing
     ticks = np.arange(first, last + 1)
     path = np.tile(robot.clip(robot.home), (len(ticks), 1))

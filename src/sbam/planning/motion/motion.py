@@ -6,7 +6,7 @@ arm has to wait until the other one has passed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import RigidTransform, Slerp
 
-from sbam.demonstrations.demonstration import Hand
 from sbam.planning.motion.carrying import Holding, references
 from sbam.planning.motion.object_path import ObjectPath, ease
 from sbam.planning.motion.schedule import poses_at, with_ways
 from sbam.planning.motion.timeline import STEP, Phase, Timeline
 from sbam.planning.motion.transfer import LINE_TIME
-from sbam.planning.task import Task
+from sbam.planning.task import RoleHand, Task
 from sbam.robots import Robot
 from sbam.robots.collision import CollisionModel
 
@@ -35,9 +34,9 @@ class Motion:
         clock: (N,) uniform, s; starts before 0 where approaches take longer than the person's.
         model_time: (N,) s on the model's axis at these ticks: the clock, as long as nothing has waited.
         configurations: (N, n) rad or m.
-        objects: dense path of each moved object, on the clock.
+        T_agent_object: object name -> N poses of every moved object at these ticks, agent frame.
         phases: what each hand does when.
-        clearance: least distance beyond the wanted one that was found on the ways to and from the objects, m.
+        surplus: least distance beyond the one asked for that was found on the ways to and from the objects, m.
         narrowest: (role, hand) whose way that is.
         notes: a sentence for each time that one arm waits for the other.
     """
@@ -45,10 +44,10 @@ class Motion:
     clock: Array
     model_time: Array
     configurations: Array
-    objects: tuple[ObjectPath, ...]
+    T_agent_object: Mapping[str, RigidTransform]
     phases: tuple[Phase, ...]
-    clearance: float
-    narrowest: tuple[str, Hand] | None
+    surplus: float
+    narrowest: RoleHand | None
     notes: tuple[str, ...]
 
 
@@ -60,7 +59,7 @@ def with_approaches(
     Raises:
         UnreachableError: if a grasp cannot be approached in a straight line.
     """
-    timeline, least, narrowest = with_ways(task, robot, collision, holding, clearance)
+    timeline, surplus, narrowest = with_ways(task, robot, collision, holding, clearance)
     times = holding.keypoint_times
     early = min(0, int(np.floor((times[0] - timeline.model_time[0]) / STEP)))
     late = max(0, int(np.ceil((times[-1] - timeline.model_time[-1]) / STEP)))
@@ -68,7 +67,7 @@ def with_approaches(
     path = timeline.configurations.copy()
     torso = _at(timeline.model_time, times, holding.torso)
     _move_torso(robot, timeline.clock, path, timeline.phases, robot.clip(robot.home), torso)
-    return _motion(task, holding, replace(timeline, configurations=path), least, narrowest)
+    return _motion(task, holding, replace(timeline, configurations=path), surplus, narrowest)
 
 
 def while_holding(task: Task, robot: Robot, holding: Holding) -> Motion:
@@ -84,20 +83,16 @@ def while_holding(task: Task, robot: Robot, holding: Holding) -> Motion:
     return _motion(task, holding, replace(timeline, configurations=path), np.inf, None)
 
 
-def _motion(
-    task: Task, holding: Holding, timeline: Timeline, clearance: float, narrowest: tuple[str, Hand] | None
-) -> Motion:
-    objects = tuple(_on_clock(holding.paths[moved.role], timeline) for moved in task.moved)
-    phases = tuple(sorted(timeline.phases, key=lambda phase: (phase.hand, phase.start)))
+def _motion(task: Task, holding: Holding, timeline: Timeline, surplus: float, narrowest: RoleHand | None) -> Motion:
     return Motion(
-        timeline.clock,
-        timeline.model_time,
-        timeline.configurations,
-        objects,
-        phases,
-        clearance,
-        narrowest,
-        timeline.notes,
+        clock=timeline.clock,
+        model_time=timeline.model_time,
+        configurations=timeline.configurations,
+        T_agent_object={moved.name: _on_clock(holding.paths[moved.role], timeline) for moved in task.moved},
+        phases=tuple(sorted(timeline.phases, key=lambda phase: (phase.hand, phase.start))),
+        surplus=surplus,
+        narrowest=narrowest,
+        notes=timeline.notes,
     )
 
 
@@ -122,12 +117,10 @@ def _move_torso(robot: Robot, clock: Array, path: Array, phases: Sequence[Phase]
     path[:, robot.torso_indices] = resting + there[:, None] * (torso - resting)
 
 
-def _on_clock(path: ObjectPath, timeline: Timeline) -> ObjectPath:
-    """An object's path on the clock of the motion."""
+def _on_clock(path: ObjectPath, timeline: Timeline) -> RigidTransform:
+    """An object's poses at the ticks of the motion's clock."""
     if np.allclose(np.diff(timeline.model_time), STEP):
-        pose = poses_at(path, timeline.model_time)
-    else:
-        time = timeline.model_time.clip(path.time[0], path.time[-1])
-        position = make_interp_spline(path.time, path.pose.translation, k=3)(time)
-        pose = RigidTransform.from_components(position, Slerp(path.time, path.pose.rotation)(time))
-    return ObjectPath(path.role, timeline.clock, pose)
+        return poses_at(path, timeline.model_time)
+    time = timeline.model_time.clip(path.model_time[0], path.model_time[-1])
+    position = make_interp_spline(path.model_time, path.pose.translation, k=3)(time)
+    return RigidTransform.from_components(position, Slerp(path.model_time, path.pose.rotation)(time))

@@ -32,12 +32,12 @@ class ObjectPath:
 
     Attributes:
         role: its role.
-        time: (N,) uniform, model's time axis, s.
+        model_time: (N,) uniform, s.
         pose: N poses in the agent frame.
     """
 
     role: str
-    time: Array
+    model_time: Array
     pose: RigidTransform
 
 

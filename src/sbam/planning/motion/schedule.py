@@ -15,8 +15,8 @@ from sbam.planning.motion.carrying import Holding
 from sbam.planning.motion.object_path import ObjectPath
 from sbam.planning.motion.timeline import STEP, Phase, Timeline
 from sbam.planning.motion.transfer import Meets, Surroundings, Way, way_to_grasp
-from sbam.planning.task import MovedObject, Task
-from sbam.robots import Robot
+from sbam.planning.task import MovedObject, RoleHand, Task
+from sbam.robots import ObjectHand, Robot
 from sbam.robots.collision import CollisionModel
 
 Array = NDArray[np.float64]
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 def with_ways(
     task: Task, robot: Robot, collision: CollisionModel, holding: Holding, clearance: float = 0.0
-) -> tuple[Timeline, float, tuple[str, Hand] | None]:
+) -> tuple[Timeline, float, RoleHand | None]:
     """Bring every hand to its grasp, the first to grasp first, and back home, the last to release first.
 
     Each keeps clear of the others as they are known by then: those whose way is not planned yet are at home.
@@ -42,23 +42,22 @@ def with_ways(
     Raises:
         UnreachableError: if a grasp cannot be approached in a straight line.
     """
-    timeline, least = holding.timeline, np.inf
-    narrowest: tuple[str, Hand] | None = None
-    keys: list[tuple[MovedObject, Hand]] = [(moved, hand) for moved in task.moved for hand in moved.hands]
-    grasped = {(moved.role, hand): timeline.phase(hand, moved.role, "grasp").start for moved, hand in keys}
-    released = {(moved.role, hand): timeline.phase(hand, moved.role, "place").end for moved, hand in keys}
-    first_to_grasp = sorted(keys, key=lambda key: grasped[key[0].role, key[1]])
-    last_to_release = sorted(keys, key=lambda key: -released[key[0].role, key[1]])
+    timeline, surplus = holding.timeline, np.inf
+    narrowest: RoleHand | None = None
+    grasped = {key: timeline.phase(key.hand, key.role, "grasp").start for _, key in task.holds}
+    released = {key: timeline.phase(key.hand, key.role, "place").end for _, key in task.holds}
+    first_to_grasp = sorted(task.holds, key=lambda hold: grasped[hold[1]])
+    last_to_release = sorted(task.holds, key=lambda hold: -released[hold[1]])
     for arriving, order in ((True, first_to_grasp), (False, last_to_release)):
-        for moved, hand in order:
-            key: tuple[str, Hand] = moved.role, hand
+        for moved, key in order:
+            hand = key.hand
             meets = _meeting(task, robot, holding.paths, timeline, moved, hand, arriving)
             at_grasp = holding.configurations[key][0 if arriving else -1]
             way = way_to_grasp(robot, collision, holding.grasps[key], at_grasp, meets, clearance)
             timeline = _passed(robot, timeline, moved, hand, way, arriving)
-            if way.clearance < least:
-                least, narrowest = way.clearance, key
-    return timeline, least, narrowest
+            if way.surplus < surplus:
+                surplus, narrowest = way.surplus, key
+    return timeline, surplus, narrowest
 
 
 def _at_object(timeline: Timeline, role: str, hand: Hand, arriving: bool) -> int:
@@ -117,7 +116,7 @@ def _meeting(
         poses = dict(task.T_agent_object)
         for other in task.moved:
             poses[other.name] = poses_at(paths[other.role], timeline.model_time[rows] + beyond)
-        held = {**touching_hands(task, timeline.phases, clock), (moved.name, hand): on_line}
+        held = {**touching_hands(task, timeline.phases, clock), ObjectHand(moved.name, hand): on_line}
         return Surroundings(configurations, poses, held)
 
     return meets
@@ -125,5 +124,5 @@ def _meeting(
 
 def poses_at(path: ObjectPath, model_time: Array) -> RigidTransform:
     """Poses at the ticks nearest to model times; beyond its ends an object rests."""
-    index = ((model_time - path.time[0]) / STEP).round().astype(int)
-    return path.pose[index.clip(0, len(path.time) - 1)]
+    index = ((model_time - path.model_time[0]) / STEP).round().astype(int)
+    return path.pose[index.clip(0, len(path.model_time) - 1)]

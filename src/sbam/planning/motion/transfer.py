@@ -16,8 +16,7 @@ from sbam.planning.grasping.candidates import Grasp
 from sbam.planning.motion.object_path import ease
 from sbam.planning.motion.timeline import STEP, lag
 from sbam.robots import Robot
-from sbam.robots.collision import CollisionModel
-from sbam.robots.description import ArmName
+from sbam.robots.collision import CollisionModel, Held
 from sbam.robots.follow import follow
 from sbam.robots.inverse_kinematics import solve_poses
 
@@ -28,12 +27,12 @@ STANDOFFS = (STANDOFF, 0.05, 0.03)  # m: shorter ones where that is out of reach
 SAME_POSTURE = 5e-3  # rad: a line that ends farther from the grasp's posture than this ends in another one
 LINE_TIME = 0.8  # s of the straight part
 TRANSFER_SPEED = 1.0  # rad/s: mean speed of the fastest joint between home and the standoff
-COMFORTABLE = 0.02  # m of clearance with which the search for a transfer ends
+AMPLE = 0.02  # m of surplus with which the search for a transfer ends
 FINE = np.linspace(0.0, 1.0, 200)
 SAMPLES = 25  # configurations of a transfer whose clearance is measured, twice
 LINE_SAMPLES = 8  # of the straight part
-ENOUGH = 0.005  # m: with less clearance it is tried whether it helps if all else waits
-PAYS = 0.001  # m of clearance for which waiting pays
+ENOUGH = 0.005  # m: with less surplus it is tried whether it helps if all else waits
+PAYS = 0.001  # m of surplus for which waiting pays
 SHARES = (0.25, 0.5, 0.75)  # of the way for which all else waits, before it waits for the whole of it
 # Way points of the hand tried between home and the standoff: (up, back along the approach), m.
 DETOURS = ((0.10, 0.0), (0.0, 0.10), (0.15, 0.10), (0.25, 0.0))
@@ -49,13 +48,13 @@ class Way:
         transfer: (T, n) from home to the standoff.
         line: (L, n) from the standoff straight to the grasp.
         wait: for how many ticks before the grasp all else has to stand still.
-        clearance: least distance that was found on it beyond what must be kept, m; up to twice `COMFORTABLE`.
+        surplus: least distance that was found on it beyond what must be kept, m; up to twice `AMPLE`.
     """
 
     transfer: Array
     line: Array
     wait: int
-    clearance: float
+    surplus: float
 
     @property
     def joined(self) -> Array:
@@ -75,7 +74,7 @@ class Surroundings:
 
     configurations: Array
     T_agent_object: Mapping[str, RigidTransform]
-    held: Mapping[tuple[str, ArmName], NDArray[np.bool_]]
+    held: Held
 
 
 # What an arm meets so many ticks (S,) before it has to be at its grasp, and on which of them it may touch its object.
@@ -122,8 +121,8 @@ def way_to_grasp(
     if not hopeless and clear_waiting < clear + PAYS:
         return Way(best.configurations(), line, 0, min(clear, most))
     ticks = patient.ticks + len(line) - 1
-    good = min(clear_waiting, COMFORTABLE) - PAYS
-    share = next((s for s in SHARES if passage.clearance([patient], s)[0] >= good), 1.0)
+    good = min(clear_waiting, AMPLE) - PAYS
+    share = next((s for s in SHARES if passage.surplus([patient], s)[0] >= good), 1.0)
     return Way(patient.configurations(), line, round(share * ticks), min(clear_waiting, most_waiting))
 
 
@@ -158,28 +157,28 @@ class _Passage:
 
     def best(self, groups: Iterator[list[_Curve]], most: float, share: float) -> tuple[_Curve, float]:
         """The shortest curve of the first group in which one keeps comfortably clear, or the clearest of all."""
-        enough = min(COMFORTABLE, most) - 1e-4
-        best, best_clearance = None, -np.inf
+        enough = min(AMPLE, most) - 1e-4
+        best, best_surplus = None, -np.inf
         for curves in groups:
-            found = self.clearance(curves, share)
+            found = self.surplus(curves, share)
             choice = int(np.lexsort(np.stack([[curve.travel for curve in curves], -np.minimum(found, enough)]))[0])
-            if found[choice] > best_clearance:
-                best, best_clearance = curves[choice], float(found[choice])
-            if best_clearance >= enough:
+            if found[choice] > best_surplus:
+                best, best_surplus = curves[choice], float(found[choice])
+            if best_surplus >= enough:
                 break
         assert best is not None  # going straight is always possible
-        return best, best_clearance
+        return best, best_surplus
 
     def ends(self, curve: _Curve, share: float) -> float:
-        """Least distance at home, where the curve leaves it, and on the straight line to the grasp, m."""
+        """Surplus at home, where the curve leaves it, and on the straight line to the grasp, m."""
         total = self._total(curve)
         left = np.linspace(len(self._line) - 1, 0, LINE_SAMPLES).round()
         line = self._measured(self._line[len(self._line) - 1 - left.astype(int)], left, share * total, on_line=True)
         home = self._measured(curve.path(np.zeros(1)), np.array([float(total)]), share * total)
         return float(min(line[0], home[0]))
 
-    def clearance(self, curves: Sequence[_Curve], share: float) -> Array:
-        """(C,) least distances on the curves, m."""
+    def surplus(self, curves: Sequence[_Curve], share: float) -> Array:
+        """(C,) least distances on the curves beyond the clearance, m."""
         # Evenly along the way, for what stands there, and evenly in time, for what moves.
         even = np.linspace(0.0, 1.0, SAMPLES)
         moments = np.sort(np.concatenate([even[1:-1], np.interp(even, ease(FINE), FINE)]))
@@ -200,7 +199,7 @@ class _Passage:
     def _measured(
         self, configurations: Array, left: Array, wait: Array | float, on_line: bool = False, motions: int = 1
     ) -> Array:
-        """Least distance of each motion; ``left`` are the ticks until the grasp, ``wait`` those without all else."""
+        """Surplus of each motion, m; ``left`` are the ticks until the grasp, ``wait`` those without all else."""
         meets = self._meets(
             np.where(np.asarray(wait) > 0.0, lag(left - wait), left), np.full(len(configurations), on_line)
         )
@@ -208,7 +207,7 @@ class _Passage:
             np.where(self._joints, configurations, meets.configurations),
             meets.T_agent_object,
             meets.held,
-            2 * COMFORTABLE + self._clearance,
+            2 * AMPLE + self._clearance,
             motions,
         )
         return (

@@ -15,20 +15,20 @@ from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.demonstration import Hand
 from sbam.planning.grasping.candidates import candidate_grasps
+from sbam.planning.grasping.follow_outwards import distance_missed, follow_outwards, solve_hand
 from sbam.planning.motion.transfer import STANDOFFS
 from sbam.planning.task import Task
 from sbam.robots import Robot
 from sbam.robots.collision import CollisionModel
-from sbam.robots.inverse_kinematics import ROTATION_LENGTH, PoseSolution, solve_poses
 
 Array = NDArray[np.float64]
 
 GRASPS = 24  # of the candidates, drawn at random, where many bases are measured
-CHECKPOINTS = 5  # evenly from the first lift to the last place
+CHECKPOINTS = 5  # evenly from the first lift to the last place, fewer than where grasps are chosen: likewise
 REACHED = 2e-3  # m: a smaller miss is none
 WORTH_ANOTHER_START = 0.3  # m: what misses by more than this from one start is out of reach
 NOT_FOLLOWED = 1  # grasps that are followed through the action where none reaches the hardest checkpoint
-MOST_AT_ONCE = 4000  # targets solved in one batch; more do not fit into caches
+ITERATIONS = 20  # of inverse kinematics, fewer than where grasps are chosen: hundreds of bases are measured
 
 
 @dataclass(frozen=True)
@@ -145,36 +145,21 @@ def _hand_reach(
         left = np.flatnonzero((miss > REACHED) & ((miss < WORTH_ANOTHER_START) | ~np.isfinite(miss)))
         start = home.copy()
         start[arm.joint_indices] = seed
-        found, off = _solve(
-            robot, hand, position[left, hardest], rotation[left, hardest], np.tile(start, (len(left), 1))
-        )
+        again = np.tile(start, (len(left), 1))
+        found = solve_hand(robot, hand, position[left, hardest], rotation[left, hardest], again, ITERATIONS)
+        off = distance_missed(found)
         better = off < miss[left]
-        q[left[better]], miss[left[better]] = found[better], off[better]
+        q[left[better]], miss[left[better]] = found.configurations[better], off[better]
     # Where no grasp reaches, the nearest one is followed all the same: how much is missing depends on it.
     table = miss.reshape(bases, grasps)
     nearest = np.argsort(table, axis=1)[:, :NOT_FOLLOWED] + grasps * np.arange(bases)[:, None]
     followed = miss <= REACHED
     followed[nearest[~(table <= REACHED).any(axis=1)].ravel()] = True
+    paths = follow_outwards(
+        robot, hand, position[followed], rotation[followed], q[followed], hardest, give_up=False, iterations=ITERATIONS
+    )
     miss[~followed] = np.inf
-    rows = np.flatnonzero(followed)
-    for order in (range(hardest + 1, moments), range(hardest - 1, -1, -1)):
-        before = q[rows]
-        for m in order:
-            before, off = _solve(robot, hand, position[rows, m], rotation[rows, m], before)
-            miss[rows] = np.maximum(miss[rows], off)
+    miss[followed] = np.maximum(miss[followed], paths.miss.max(axis=1, initial=0.0))
     table = miss.reshape(bases, grasps)
     least = table.min(axis=1)
     return np.where(least <= REACHED, 0.0, least), (table <= REACHED).mean(axis=1)
-
-
-def _solve(robot: Robot, hand: Hand, position: Array, rotation: Array, start: Array) -> tuple[Array, Array]:
-    """Configurations (N, n) and how far they are off (N,), m."""
-    found, off = np.empty_like(start), np.empty(len(start))
-    for begin in range(0, len(start), MOST_AT_ONCE):
-        part = slice(begin, begin + MOST_AT_ONCE)
-        solution: PoseSolution = solve_poses(
-            robot, [hand], position[part, None], rotation[part, None], start[part], pull=(3e-2, 1e-3), iterations=20
-        )
-        found[part] = solution.configurations
-        off[part] = np.hypot(solution.position_error, ROTATION_LENGTH * solution.rotation_error)
-    return found, off

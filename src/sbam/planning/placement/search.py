@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from sbam.demonstrations.demonstration import Hand
+from sbam.demonstrations.scenes import as_scene
 from sbam.errors import TrajectoryError, UnreachableError
 from sbam.learning.model import ActionModel
+from sbam.learning.model_file import as_model
+from sbam.planning.bind import bind
 from sbam.planning.keypoints.free_flight import solve_free_flight
 from sbam.planning.placement.reach import HandTargets, Reach, hand_targets, reach_from
 from sbam.planning.placement.room import has_room, stay_on_their_supports
-from sbam.planning.plan import DEFAULT_ROBOT, plan
+from sbam.planning.plan import plan
 from sbam.planning.settings import PlanSettings
-from sbam.planning.task import Task, bind
-from sbam.robots import Robot, load_robot
+from sbam.planning.start import standing_robot
+from sbam.planning.task import Task
+from sbam.planning.variant import choose_variant
+from sbam.robots import ObjectHand, Robot
 from sbam.robots.options import with_options
 from sbam.scene import Scene
 
@@ -32,7 +37,7 @@ TURN_LENGTH = 0.005  # m: a degree of turning counts as much as moving by this
 ALL, RANDOM_STARTS = 10_000, 5  # grasps and further starts where the robot stands
 TRIED = 3  # places that are planned for, until one does
 AS_GOOD = 0.8  # share of the grasps at the end of the way with which a place on it is as good
-COMFORTABLE = 0.25  # share of the best place's grasps with which a place is good enough
+GOOD_SHARE = 0.25  # share of the best place's grasps with which a place is good enough
 
 
 @dataclass(frozen=True)
@@ -51,7 +56,7 @@ class Place:
     right: float
     forward: float
     turn: float
-    miss: Mapping[tuple[str, Hand], float]
+    miss: Mapping[ObjectHand, float]
     share: float
     planned: bool | None = None
 
@@ -95,9 +100,9 @@ class BaseMap:
 
 
 def search_base(
-    model: ActionModel,
-    scene: Scene,
-    robot: Robot | str | None = None,
+    model: ActionModel | str | Path,
+    scene: Scene | str | Path,
+    robot: Robot | str | Path | None = None,
     settings: PlanSettings | None = None,
     roles: Mapping[str, str] | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -111,8 +116,8 @@ def search_base(
     The map holds what kinematics allow. The places that are recommended are planned for, with collisions and all.
 
     Args:
-        model: the Spatial Bimanual Action Model.
-        scene: the starting scene.
+        model: the Spatial Bimanual Action Model, or its file.
+        scene: the starting scene, its file, or ``built-in:NAME``.
         robot: a robot, or the name or description file of one; default the scene's, else the bimanual Panda.
         settings: how to plan.
         roles: role -> object name, where the choice shall not be left to the affordances.
@@ -165,7 +170,7 @@ def search_base(
 
 
 def reach_where_it_stands(
-    model: ActionModel, scene: Scene, robot: Robot | str | None = None, roles: Mapping[str, str] | None = None
+    model: ActionModel, scene: Scene, robot: Robot | str | Path | None = None, roles: Mapping[str, str] | None = None
 ) -> Place:
     """How a robot reaches a whole task from its default place; arguments as in `search_base`.
 
@@ -175,16 +180,15 @@ def reach_where_it_stands(
 
 
 def _prepared(
-    model: ActionModel,
-    scene: Scene,
-    robot: Robot | str | None,
+    model: ActionModel | str | Path,
+    scene: Scene | str | Path,
+    robot: Robot | str | Path | None,
     settings: PlanSettings,
     roles: Mapping[str, str] | None,
 ) -> _Search:
-    task = bind(model, scene, roles)
-    if not isinstance(robot, Robot):
-        robot = load_robot(robot or scene.robot or DEFAULT_ROBOT)
-    robot = robot.placed_for(RigidTransform.identity())
+    model, scene = as_model(model), as_scene(scene)
+    task = bind(choose_variant(model, scene, roles)[0], scene, roles)
+    robot = standing_robot(robot, scene)
     _, poses = solve_free_flight(task, settings)
     return _Search(task, robot, settings, poses, hand_targets(task, robot, poses, settings.seed), roles)
 
@@ -209,7 +213,7 @@ class _Search:
         return self._places(moves, _measure(self.robot, self.targets, moves))
 
     def _places(self, moves: Array, reach: Reach) -> list[Place]:
-        keys: list[tuple[str, Hand]] = [(self.task.binding[target.role], target.hand) for target in self.targets]
+        keys = [ObjectHand(self.task.binding[target.role], target.hand) for target in self.targets]
         return [
             Place(*map(float, move), miss=dict(zip(keys, map(float, miss), strict=True)), share=float(share.min()))
             for move, miss, share in zip(moves, reach.miss, reach.share, strict=True)
@@ -234,7 +238,7 @@ class _Search:
         reached = miss == 0.0
         if not reached.any():
             return
-        good = np.flatnonzero(reached & (share >= COMFORTABLE * share[reached].max()))
+        good = np.flatnonzero(reached & (share >= GOOD_SHARE * share[reached].max()))
         length = np.hypot(np.linalg.norm(moves[good, :2], axis=1), TURN_LENGTH * moves[good, 2])
         yield from moves[good[np.argsort(length, kind="stable")]]
 

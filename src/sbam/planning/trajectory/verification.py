@@ -1,23 +1,22 @@
-"""What a timed trajectory does to the objects, and whether it does what was planned."""
+"""Verification: what a timed trajectory does to the objects, and whether all of it would be accepted."""
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform
 
-from sbam.demonstrations.demonstration import Hand
 from sbam.planning.grasping.candidates import Grasp
 from sbam.planning.motion.allowed_contacts import touching_hands
 from sbam.planning.motion.motion import Motion, Phase
-from sbam.planning.task import Task
-from sbam.planning.trajectory.limits import Check
+from sbam.planning.task import RoleHand, Task
+from sbam.planning.trajectory.limits import Check, check_receivers
 from sbam.planning.trajectory.trajectory import JointTrajectory
-from sbam.robots import Robot, point_jacobian
+from sbam.robots import ObjectHand, Robot, point_jacobian
 from sbam.robots.collision import CollisionModel
 from sbam.robots.rotation_error import rotation_error
 from sbam.robots.swept_clearance import swept_clearances
@@ -31,32 +30,18 @@ TORQUE_SAMPLES = 50.0  # Hz
 GRAVITY = 9.81  # m/s^2
 
 
-@dataclass(frozen=True)
-class Execution:
-    """The objects' motion that a trajectory causes.
-
-    Attributes:
-        clock: (N,) time on the model's axis at every sample, s.
-        T_agent_object: role -> N poses, agent frame; still before the lift, carried, still after the place.
-        checks: how well the objects move as planned.
-    """
-
-    clock: Array
-    T_agent_object: Mapping[str, RigidTransform]
-    checks: tuple[Check, ...]
-
-
-def execute(
+def verify(
     task: Task,
     robot: Robot,
     collision: CollisionModel,
-    grasps: Mapping[tuple[str, Hand], Grasp],
+    grasps: Mapping[RoleHand, Grasp],
     motion: Motion,
     trajectory: JointTrajectory,
     clock: Array,
     clearance: float,
-) -> Execution:
-    """Carry the objects along the trajectory by forward kinematics at every sample.
+    speed: float = 1.0,
+) -> tuple[dict[str, RigidTransform], tuple[Check, ...]]:
+    """Check a trajectory as its receivers would, and carry the objects along it by forward kinematics at every sample.
 
     Args:
         task: model bound to a scene.
@@ -65,8 +50,13 @@ def execute(
         grasps: (role, hand) -> grasp.
         motion: the dense motion that was timed.
         trajectory: the timed trajectory.
-        clock: (N,) model time of its samples, s.
+        clock: (N,) of its samples, the motion's clock, s.
         clearance: distance that must be kept from what is not touched on purpose, m.
+        speed: share of the velocity limits that is granted.
+
+    Returns:
+        Object name -> N poses of every moved object, agent frame: still before the lift, carried, still after the
+        place. And all checks.
     """
     arms = list(robot.arms)
     kinematics = robot.kinematics(trajectory.position, [robot.arms[arm].tcp_frame for arm in arms])
@@ -75,26 +65,28 @@ def execute(
     T_agent_tcp[..., :3, 3] = kinematics.position.swapaxes(0, 1)
     T_agent_tcp[..., 3, 3] = 1.0
     tcp = dict(zip(arms, T_agent_tcp, strict=True))
-    checks: list[Check] = []
+    checks = check_receivers(robot, trajectory, robot.clip(robot.home), speed)
     poses: dict[str, RigidTransform] = {}
     for moved in task.moved:
         phases = {
             phase.name: phase for phase in motion.phases if phase.role == moved.role and phase.hand == moved.hands[0]
         }
         lift, place = phases["manipulate"].start, phases["manipulate"].end
-        pose = tcp[moved.hands[0]] @ grasps[moved.role, moved.hands[0]].T_object_tcp.inv().as_matrix()
+        carrier = RoleHand(moved.role, moved.hands[0])
+        pose = tcp[carrier.hand] @ grasps[carrier].T_object_tcp.inv().as_matrix()
         pose[clock <= lift] = moved.start.as_matrix()
         pose[clock >= place] = moved.put_down.as_matrix()
-        poses[moved.role] = RigidTransform(pose, normalize=False, copy=False)
+        poses[moved.name] = RigidTransform(pose, normalize=False, copy=False)
         for hand in moved.hands:
-            checks += _check_hold(task, grasps[moved.role, hand], tcp[hand], pose, motion, trajectory, clock)
-        wanted = next(path for path in motion.objects if path.role == moved.role)
-        expected = np.stack([np.interp(clock, wanted.time, column) for column in wanted.pose.translation.T], axis=-1)
+            grasp = grasps[RoleHand(moved.role, hand)]
+            checks += _check_hold(task, grasp, tcp[hand], pose, motion, trajectory, clock)
+        wanted = motion.T_agent_object[moved.name].translation
+        expected = np.stack([np.interp(clock, motion.clock, column) for column in wanted.T], axis=-1)
         off = np.linalg.norm(pose[:, :3, 3] - expected, axis=1)
         checks.append(_largest(f"{moved.name} follows its path", off, 2e-3, "m", trajectory.time))
     checks += check_clearances(task, collision, motion, poses, trajectory, clock, clearance)
     checks.append(_check_torques(task, robot, poses, grasps, trajectory))
-    return Execution(clock, poses, tuple(checks))
+    return poses, tuple(checks)
 
 
 def check_clearances(
@@ -110,11 +102,9 @@ def check_clearances(
 
     Of a palm and what it holds the distance is known up to what the grasp slips, which `_check_hold` limits.
     """
-    objects = {**task.T_agent_object, **{moved.name: poses[moved.role] for moved in task.moved}}
+    objects = {**task.T_agent_object, **poses}
     held = touching_hands(task, motion.phases, clock)
-    rigid: dict[tuple[str, Hand], NDArray[np.bool_]] = {
-        (moved.name, hand): _is_held(motion, moved.role, hand, clock) for moved in task.moved for hand in moved.hands
-    }
+    rigid = {ObjectHand(moved.name, key.hand): _is_held(motion, key, clock) for moved, key in task.holds}
     report = swept_clearances(collision, trajectory.position, objects, held, rigid)
     checks = []
     for kind, (distance,) in report.distance_by_class.items():
@@ -135,9 +125,9 @@ def _largest(name: str, values: Array, limit: float, unit: str, time: Array) -> 
     return Check(name, bool(values[worst] <= limit), float(values[worst]), limit, unit, f"at {time[worst]:.3f} s")
 
 
-def _is_held(motion: Motion, role: str, hand: Hand, clock: Array) -> NDArray[np.bool_]:
+def _is_held(motion: Motion, key: RoleHand, clock: Array) -> NDArray[np.bool_]:
     """(N,) when a hand holds its object fast: from the closing of its fingers to their opening."""
-    phases = {phase.name: phase for phase in motion.phases if phase.role == role and phase.hand == hand}
+    phases = {phase.name: phase for phase in motion.phases if (phase.role, phase.hand) == key}
     return (clock >= phases["grasp"].start) & (clock <= phases["place"].end)
 
 
@@ -159,9 +149,9 @@ def _check_hold(
         pose: (N, 4, 4) poses of the object, agent frame.
         motion: says when the fingers close and open.
         trajectory: the timed trajectory.
-        clock: (N,) model time of its samples, s.
+        clock: (N,) of its samples, the motion's clock, s.
     """
-    held = _is_held(motion, grasp.role, grasp.hand, clock)
+    held = _is_held(motion, RoleHand(grasp.role, grasp.hand), clock)
     tcp, wanted = tcp[held], pose[held] @ grasp.T_object_tcp.as_matrix()
     slip = np.linalg.norm(tcp[:, :3, 3] - wanted[:, :3, 3], axis=1)
     turn = np.linalg.norm(rotation_error(tcp[:, :3, :3], wanted[:, :3, :3]), axis=1)
@@ -183,7 +173,7 @@ def _check_torques(
     task: Task,
     robot: Robot,
     poses: Mapping[str, RigidTransform],
-    grasps: Mapping[tuple[str, Hand], Grasp],
+    grasps: Mapping[RoleHand, Grasp],
     trajectory: JointTrajectory,
 ) -> Check:
     """Inverse dynamics of the arms with the weight of what they hold, against the torque limits.
@@ -208,7 +198,7 @@ def _check_torques(
     kinematics = robot.kinematics(motion[:, 0], frames)
     for i, (role, _) in enumerate(grasps):
         moved = next(moved for moved in task.moved if moved.role == role)
-        aloft = np.linalg.norm(poses[role].translation[samples] - moved.start.translation, axis=1) > 1e-3
+        aloft = np.linalg.norm(poses[moved.name].translation[samples] - moved.start.translation, axis=1) > 1e-3
         lifting = point_jacobian(kinematics, kinematics.position[:, i], robot.frame_joints(frames[i]))[:, 2]
         torque += (aloft * moved.model.mass * GRAVITY / len(moved.hands))[:, None] * lifting
     ratio = np.abs(torque) / robot.torque_limit
@@ -219,9 +209,9 @@ def _check_torques(
 
 
 def phase_times(motion: Motion, trajectory: JointTrajectory, clock: Array) -> tuple[Phase, ...]:
-    """The motion's phases with their times on the trajectory's axis, s."""
+    """The motion's phases with their times on the trajectory's axis, s; ``clock`` (N,) is that of its samples, s."""
 
-    def on_trajectory(model_time: float) -> float:
-        return float(np.interp(model_time, clock, trajectory.time))
+    def on_trajectory(moment: float) -> float:
+        return float(np.interp(moment, clock, trajectory.time))
 
     return tuple(replace(p, start=on_trajectory(p.start), end=on_trajectory(p.end)) for p in motion.phases)

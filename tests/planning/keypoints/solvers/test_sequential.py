@@ -7,6 +7,7 @@ from sbam.planning.keypoints.solvers.sequential import solve_sequentially
 from sbam.planning.keypoints.solvers.whole_trajectory import WARM, descend, solve_whole_trajectory
 from sbam.planning.plan import plan
 from sbam.planning.settings import PlanSettings
+from sbam.planning.start import in_agent_frame
 
 
 def test_each_keypoint_is_an_optimum_given_those_before(small_plan, problem_of):
@@ -42,7 +43,7 @@ def test_one_posture_is_start_enough(small_plan, problem_of):
 
 def test_a_whole_plan(small_plan):
     settings = PlanSettings(solver="sequential")
-    found = plan(small_plan.task.model, small_plan.task.scene, small_plan.robot, settings)
+    found = plan(small_plan.task.model, small_plan.task.scene, in_agent_frame(small_plan.robot), settings)
     assert found.ok
     assert (found.solution.solver, found.free_flight.solver) == ("sequential", "sequential")
     assert found.solution.objective == pytest.approx(small_plan.solution.objective, rel=0.05)

@@ -8,7 +8,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.scenes import starting_scene
 from sbam.errors import BindingError, UnknownNameError
-from sbam.planning.task import bind
+from sbam.planning.bind import bind
 from sbam.scene import ObjectLibrary, Scene, upright_rotation
 
 
@@ -154,13 +154,3 @@ def test_one_hand_holds_one_object(model_of):
     right = tuple(replace(hold, hand="right") for hold in model.holds)
     with pytest.raises(BindingError, match=r"right hand holds '.*' and '.*' in this action"):
         bind(replace(model, holds=right), starting_scene("built-in:pouring_new_layout"))
-
-
-def test_pruning_is_of_the_demonstrations_that_fit_the_scene(pouring):
-    scene = starting_scene("built-in:synthetic_pouring_juice_left_6")
-    whole, small = bind(pouring, scene), bind(pouring, scene, prune=0.75)
-    kept, dropped = {str(c.pair) for c in small.model.changes}, {str(c.pair) for c in whole.model.changes}
-    dropped -= kept
-    assert "pour from of pour_from -> pour into of pour_into" in kept and dropped
-    assert small.notes[-1].endswith(f"pairs pruned: {', '.join(sorted(dropped))}")
-    assert bind(pouring, scene, prune=0.0).notes == whole.notes
