@@ -98,18 +98,22 @@ def flight(task: Task, settings: PlanSettings) -> ExecutedMotion:
     return ExecutedMotion(task, poses, model_time, model_time, paths, solution.objective, None, None, ())
 
 
+def roles_poses(motion: ObjectMotion) -> dict[str, RigidTransform]:
+    """Role -> N poses of every moved object, agent frame."""
+    return {moved.role: motion.T_agent_object[moved.name] for moved in motion.task.moved}
+
+
 def region_points(
-    task: Task, T_agent_object: Mapping[str, RigidTransform], reference: RegionReference, count: int
+    task: Task, T_agent_role: Mapping[str, RigidTransform], reference: RegionReference, count: int
 ) -> Array:
     """(N, 3) centre of a role's region, agent frame, m.
 
     Args:
         task: the model bound to the scene.
-        T_agent_object: object name -> N poses of every moved object; what is missing stands where it started.
+        T_agent_role: role -> N poses of every moved object; what is missing stands where it stood at the start.
         reference: the region.
         count: N.
     """
-    name = task.binding[reference.role]
-    if name in T_agent_object:
-        return T_agent_object[name].apply(task.region_center(reference))
+    if reference.role in T_agent_role:
+        return T_agent_role[reference.role].apply(task.region_center(reference))
     return np.broadcast_to(task.region_at_start(reference), (count, 3))

@@ -11,7 +11,7 @@ from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionPair
 from sbam.demonstrations.events import object_axis
-from sbam.evaluation.executed_motion import ExecutedMotion, region_points
+from sbam.evaluation.executed_motion import ExecutedMotion, region_points, roles_poses
 from sbam.evaluation.person import PersonMotion
 from sbam.evaluation.smoothness import joint_smoothness, path_smoothness
 from sbam.evaluation.task_geometry import measure_pouring, measure_put_down, measure_rolling, turning_points
@@ -193,7 +193,7 @@ def _dense(motion: ExecutedMotion) -> tuple[Array, Mapping[str, RigidTransform]]
     """Object poses on an even grid of the model's clock."""
     clock = np.linspace(0.0, motion.task.model.duration, DENSE_SAMPLES)
     samples = np.searchsorted(motion.model_time, clock).clip(0, len(motion.model_time) - 1)
-    return clock, {moved.role: motion.T_agent_object[moved.name][samples] for moved in motion.task.moved}
+    return clock, {role: poses[samples] for role, poses in roles_poses(motion).items()}
 
 
 def _vector(task: Task, poses: Mapping[str, RigidTransform], pair: RegionPair, count: int) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sbam.constraints import RegionReference
-from sbam.evaluation.executed_motion import ObjectMotion, region_points, sample_times
+from sbam.evaluation.executed_motion import ObjectMotion, region_points, roles_poses, sample_times
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ class Measure:
 
 def region_path(motion: ObjectMotion, role: str, affordance: str) -> Array:
     """(N, 3) centre of a role's region at every sample, agent frame, m."""
-    return region_points(motion.task, motion.T_agent_object, RegionReference(role, affordance), len(motion.model_time))
+    return region_points(motion.task, roles_poses(motion), RegionReference(role, affordance), len(motion.model_time))
 
 
 def measure_pouring(motion: ObjectMotion, pour_from: str = "pour_from", pour_into: str = "pour_into") -> Measure:
