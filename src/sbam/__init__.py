@@ -16,7 +16,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:  # what type checkers and editors see; at run time each room opens when it is first needed
+if TYPE_CHECKING:  # what type checkers and editors see; at run time each module is imported when it is first needed
     from sbam.demonstrations.demonstration import Demonstration
     from sbam.demonstrations.loading import load
     from sbam.demonstrations.scenes import scene_from_demonstration

@@ -1,4 +1,4 @@
-"""The demonstration of the whole house: from the built-in recordings to a trajectory in a new scene."""
+"""The demo, from end to end: from the built-in recordings to a trajectory in a new scene."""
 
 from __future__ import annotations
 

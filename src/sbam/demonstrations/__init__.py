@@ -1,4 +1,4 @@
-"""Demonstrations."""
+"""Demonstrations: from recordings of any format to poses of objects and hands on one time axis, events and holds."""
 
 from sbam.demonstrations.readers import read_demonstration, read_demonstrations
 from sbam.demonstrations.repair import repair_demonstration

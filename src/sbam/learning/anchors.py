@@ -66,7 +66,7 @@ class _Candidate:
 
 
 def align_events(events: Sequence[Sequence[Event]], durations: Sequence[float]) -> AnchorSet:
-    """Anchors common to all demonstrations (learning recipe, "Anchors found without knowing the task", 5 and 6).
+    """Anchors common to all demonstrations (docs/method.md, "Time", steps 5 and 6).
 
     The events of each role are aligned with those of the role's medoid demonstration, keeping their order; what has a
     partner in every demonstration becomes an anchor. The result does not depend on the order of the demonstrations.

@@ -1,1 +1,1 @@
-"""Viewer."""
+"""Pictures and self-contained pages that play a plan: from a trajectory to what a person can look at."""
