@@ -1,11 +1,19 @@
 import json
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from typing_extensions import TypeAliasType
 
 from sbam.constraints import CONSTRAINT_TYPES
 from sbam.errors import FileFormatError, FileVersionError, OutputError
 from sbam.learning import add_demonstration, learn, load_model, save_model
+from sbam.learning.model_file import _array_dtype
+
+Number = TypeVar("Number", bound=np.generic)
+ALIAS = TypeAliasType("ALIAS", np.ndarray[tuple[Any, ...], np.dtype[Number]], type_params=(Number,))
+"""What numpy 2.5 defines NDArray as; before, NDArray[...] is plainly np.ndarray[...]."""
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +55,24 @@ def test_adding_to_a_loaded_model_is_adding_to_the_model(pouring, tmp_path, mode
     save_model(add_demonstration(load_model(tmp_path / "three.json"), pouring[3]), tmp_path / "added.json")
     save_model(learn(pouring[:4], mode=mode), tmp_path / "four.json")
     assert (tmp_path / "added.json").read_text() == (tmp_path / "four.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("hint", "dtype"),
+    [
+        (NDArray[np.float64], np.float64),
+        (NDArray[np.int64], np.int64),
+        (np.ndarray[tuple[int, int], np.dtype[np.int32]], np.int32),
+        (ALIAS[np.float64], np.float64),
+        (ALIAS[np.int64], np.int64),
+        (tuple[float, ...], None),
+        (NDArray[np.float64] | None, None),
+        (float, None),
+        (list[int], None),
+    ],
+)
+def test_arrays_are_recognised_by_their_hints(hint, dtype):
+    assert _array_dtype(hint) is dtype
 
 
 def test_the_file_is_readable(model, tmp_path):
