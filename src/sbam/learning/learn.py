@@ -31,7 +31,7 @@ from sbam.learning.model import ActionModel, Anchor, Role, Variant
 from sbam.learning.pairs import pairs_that_move
 from sbam.learning.settings import LearningSettings
 from sbam.learning.sketch import ChannelCandidates, DemonstrationSketch, PairCandidates, sketch_demonstration
-from sbam.learning.stroke_cutting import equalize_sketches
+from sbam.learning.strokes import equalize_sketches
 from sbam.learning.variants import order_groups
 from sbam.scene.object_library import ObjectLibrary
 
