@@ -1,11 +1,19 @@
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import sbam.robots
 from sbam.demonstrations.events import Event
+from sbam.demonstrations.scenes import starting_scene
 from sbam.demonstrations.synthetic import generate_rolling
+from sbam.evaluation import measure_rolling
 from sbam.learning import LearningSettings, add_demonstration, learn
 from sbam.learning.strokes import cut_sketch, equalize_sketches, strokes
+from sbam.planning.plan import plan
 
+FLYING_HANDS = Path(sbam.robots.__file__).parent / "models" / "flying_hands.yaml"
 SETTINGS = LearningSettings.default()
 
 
@@ -72,6 +80,28 @@ def test_a_cut_removes_what_is_between(unequal):
     assert reversals(cut) == reversals(sketch) - 2
     for hold, before in zip(cut.holds, sketch.holds, strict=True):
         assert hold.grasp == before.grasp and hold.release == pytest.approx(before.release - length)
+
+
+def test_a_cut_changes_no_more_than_the_channels_of_a_pair(unequal):
+    sketch = learn(unequal[:1]).demonstrations[0]
+    before = [replace(pair, channels=()) for pair in sketch.candidates]
+    assert any(pair.from_agent for pair in before)
+    assert [replace(pair, channels=()) for pair in cut_sketch(sketch, 3.0, 4.0).candidates] == before
+
+
+@pytest.mark.parametrize(("learned", "added"), [((5, 5, 5, 7), ()), ((7, 5, 5, 5), ()), ((5, 5, 5), (6,))])
+def test_all_strokes_are_planned_whichever_demonstration_was_cut(learned, added):
+    counts = (*learned, *added)
+    demonstrations = [generate_rolling(seed, strokes=count) for seed, count in enumerate(counts)]
+    model = learn(demonstrations[: len(learned)])
+    for demonstration in demonstrations[len(learned) :]:
+        model = add_demonstration(model, demonstration)
+    assert any("cut to match" in note for note in model.notes)
+    planned = plan(model, starting_scene("built-in:rolling"), FLYING_HANDS)
+    assert planned.ok, planned.problems
+    measure = measure_rolling(planned)
+    assert measure.ok, measure.problems
+    assert measure.values["half-strokes"] == 8
 
 
 def test_without_strokes_nothing_changes(pouring):

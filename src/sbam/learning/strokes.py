@@ -14,7 +14,7 @@ import numpy as np
 from sbam.constraints import constraint_type
 from sbam.demonstrations.events import Event
 from sbam.learning.settings import LearningSettings
-from sbam.learning.sketch import ChannelCandidates, DemonstrationSketch, PairCandidates
+from sbam.learning.sketch import ChannelCandidates, DemonstrationSketch
 
 ALTERNATION = -0.3
 """Strokes are reversals whose changes of direction have a cosine below this from one to the next."""
@@ -115,7 +115,7 @@ def cut_sketch(sketch: DemonstrationSketch, start: float, end: float) -> Demonst
         ),
         holds=tuple(replace(hold, grasp=moved(hold.grasp), release=moved(hold.release)) for hold in sketch.holds),
         candidates=tuple(
-            PairCandidates(pair.pair, pair.constraint, tuple(cut_channel(channel) for channel in pair.channels))
+            replace(pair, channels=tuple(cut_channel(channel) for channel in pair.channels))
             for pair in sketch.candidates
         ),
     )
