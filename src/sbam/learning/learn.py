@@ -340,19 +340,27 @@ def _assembled(
     )
     duration = float(axis.model[-1])
     histogram = keypoint_histogram(changes, duration, settings)
+    roles = _roles(sketches, changes)
+    named = {role.name for role in roles}
+    holds = hand_holds(sketches, axis.anchors, axis.model)
+    unwatched = tuple(
+        f"the {hold.hand} hand holds {hold.role}, which is in no watched pair: this is no part of the action"
+        for hold in holds
+        if hold.role not in named
+    )
     return ActionModel(
         name=name,
         constraint=constraint,
         mode=settings.mode,
-        roles=_roles(sketches, changes),
+        roles=roles,
         changes=changes,
         anchors=anchors,
         keypoint_times=keypoint_times(histogram, axis.model),
-        holds=hand_holds(sketches, axis.anchors, axis.model),
+        holds=tuple(hold for hold in holds if hold.role in named),
         synthetic=any(sketch.synthetic for sketch in sketches),
         demonstrations=sketches,
         settings=settings,
-        notes=axis.anchors.notes + tuple(note for sketch in sketches for note in sketch.notes),
+        notes=axis.anchors.notes + unwatched + tuple(note for sketch in sketches for note in sketch.notes),
     )
 
 
