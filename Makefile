@@ -11,11 +11,13 @@ export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 export MKL_NUM_THREADS ?= 1
 
-.PHONY: help venv demo test lint types bench measure docs clean
+.PHONY: help venv demo test lint types main-job bench measure docs clean
 
 help:
 	@echo "make demo    learn pouring, plan a new scene, write the trajectory with plots and a recording to out/demo/"
 	@echo "make test    lint, types and all tests"
+	@echo "make main-job PYTHON=python3.13"
+	@echo "             install for that Python alone, then learn, show, plan and add, in a folder that is removed again"
 	@echo "make bench   print the measured speeds, and what became slower"
 	@echo "make measure print the other measurements that the documentation reports; takes hours"
 	@echo "make docs    build the documentation into docs/_build/html/"
@@ -49,6 +51,9 @@ lint: $(INSTALLED)
 
 types: $(INSTALLED)
 	$(BIN)/basedpyright
+
+main-job: $(INSTALLED)
+	.ci/main_job $(PYTHON)
 
 bench: $(INSTALLED)
 	$(BIN)/python benchmarks/learning.py

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +10,8 @@ from typing import Any
 
 from sbam.demonstrations.synthetic import built_in_demonstrations
 from sbam.learning.learn import learn
-from sbam.learning.model_file import save_model
+from sbam.learning.model import ActionModel
+from sbam.learning.model_file import load_model, save_model
 from sbam.learning.report import model_report
 from sbam.planning.plan import plan
 from sbam.planning.report import plan_report
@@ -47,7 +49,7 @@ def run_demo(
         return result
 
     demonstrations = timed("demonstrate", lambda: built_in_demonstrations("pouring"))
-    model = timed("learn", lambda: learn(demonstrations, constraint, name="pouring"))
+    model = timed("learn", lambda: _read_back(learn(demonstrations, constraint, name="pouring")))
     scene = built_in_scene(SCENE)
     planned = timed("plan", lambda: plan(model, scene, progress=say))
     files: list[Path] = []
@@ -71,3 +73,11 @@ def run_demo(
         "model": model_report(model),
         "plan": plan_report(planned),
     }
+
+
+def _read_back(model: ActionModel) -> ActionModel:
+    """The model as it is in its file, for that is what a user plans with."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "model.json")
+        save_model(model, path)
+        return load_model(path)

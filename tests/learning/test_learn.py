@@ -175,6 +175,45 @@ def test_a_demonstration_that_lacks_an_object_is_named(pouring):
         add_demonstration(learn([lacking], settings=replace(LearningSettings(), pairs="all")), pouring[0])
 
 
+def with_other_name(demonstration, name, other):
+    poses = dict(demonstration.T_world_object)
+    poses[other] = poses.pop(name)
+    return replace(demonstration, T_world_object=poses)
+
+
+def test_a_pair_is_seen_alike_in_all_demonstrations(pouring):
+    """The mouth of a carton is above its foot, that of a spoon beside its handle."""
+    spoon = with_other_name(pouring[3], "apple_juice", "tablespoon")
+    assert len(learn([pouring[0], spoon]).demonstrations) == 2
+    for order in ([pouring[0], spoon], [spoon, pouring[0]]):
+        with pytest.raises(
+            DemonstrationError, match=r"pour from of pour_from -> place of pour_from.*built differently"
+        ):
+            learn(order, "cylindrical")
+    settings = replace(LearningSettings.paper(), upright_as_cartesian=True)
+    with pytest.raises(DemonstrationError, match=r"seen as cylindrical, in 'synthetic.*juice_right_0' as cartesian"):
+        add_demonstration(learn([pouring[0]], "cylindrical", settings=settings), spoon)
+
+
+@MODES
+def test_further_affordances_of_a_later_object_do_not_count(pouring, mode):
+    library = {name: ObjectLibrary.built_in()[name] for name in ObjectLibrary.built_in()}
+    cup = library["cup_small"]
+    bowl = replace(
+        cup, affordance_regions=(replace(cup.affordance_regions[0], affordance="stir"), *cup.affordance_regions)
+    )
+    demonstrations = [pouring[0], pouring[10]]
+    plain = learn(demonstrations, mode=mode, library=library)
+    same_model(learn(demonstrations, mode=mode, library={**library, "cup_small": bowl}), plain)
+
+
+def test_what_could_be_moved_must_be_movable(pouring):
+    library = {name: ObjectLibrary.built_in()[name] for name in ObjectLibrary.built_in()}
+    fixed = {**library, "cup_small": replace(library["cup_small"], movable=False)}
+    with pytest.raises(DemonstrationError, match=r"milk_right_10.*pour_into.*cannot be moved"):
+        learn([pouring[0], pouring[10]], library=fixed)
+
+
 def test_nothing_to_learn(pouring):
     with pytest.raises(DemonstrationError, match="nothing to learn"):
         learn([])

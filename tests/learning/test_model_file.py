@@ -1,11 +1,23 @@
 import json
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform
+from typing_extensions import TypeAliasType
 
 from sbam.constraints import CONSTRAINT_TYPES
-from sbam.errors import FileFormatError, FileVersionError, OutputError
-from sbam.learning import add_demonstration, learn, load_model, save_model
+from sbam.errors import DemonstrationError, FileFormatError, FileVersionError, OutputError
+from sbam.learning import LearningSettings, add_demonstration, learn, load_model, save_model
+from sbam.learning.model_file import _array_dtype
+
+Number = TypeVar("Number", bound=np.generic)
+ALIAS = TypeAliasType("ALIAS", np.ndarray[tuple[Any, ...], np.dtype[Number]], type_params=(Number,))
+"""What numpy 2.5 defines NDArray as; before, NDArray[...] is plainly np.ndarray[...]."""
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +61,94 @@ def test_adding_to_a_loaded_model_is_adding_to_the_model(pouring, tmp_path, mode
     assert (tmp_path / "added.json").read_text() == (tmp_path / "four.json").read_text()
 
 
+def equal(one, other):
+    """Whether two models, or parts of them, are the same, types of numbers included."""
+    if is_dataclass(one):
+        return type(one) is type(other) and all(
+            equal(getattr(one, f.name), getattr(other, f.name)) for f in fields(one)
+        )
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(equal, one, other))
+    if isinstance(one, np.ndarray):
+        return one.dtype == other.dtype and np.array_equal(one, other)
+    return type(one) is type(other) and one == other
+
+
+def showing(demonstration, names):
+    """The demonstration with these objects alone; a lid stands where the left hand pauses, a mug where none comes."""
+    still = {"apple_juice_lid": demonstration.T_world_hand["left"][450].translation, "mug": np.array([0.3, 0.4, 0.9])}
+    shown = {
+        **demonstration.T_world_object,
+        **{
+            name: RigidTransform.from_translation(np.tile(place, (len(demonstration.time), 1)))
+            for name, place in still.items()
+        },
+    }
+    return replace(demonstration, T_world_object={name: shown[name] for name in sorted(names)})
+
+
+STEADIED = {"apple_juice", "apple_juice_lid", "kitchen_sideboard"}
+
+
+def test_a_hold_of_what_is_in_no_watched_pair_is_noted(pouring):
+    """The lid is held where it stands, and it is paired with the table alone."""
+    model = learn([showing(pouring[0], STEADIED)])
+    assert {role.name for role in model.roles} == {"pour_from", "place_onto"}
+    assert [(hold.role, hold.hand) for hold in model.holds] == [("pour_from", "right")]
+    (note,) = model.notes
+    assert "the left hand holds place," in note
+    paired = learn([showing(pouring[0], STEADIED)], settings=replace(LearningSettings(), pairs="all"))
+    assert {(hold.role, hold.hand) for hold in paired.holds} == {("pour_from", "right"), ("place", "left")}
+    assert paired.notes == ()
+
+
+@settings(max_examples=10, deadline=None, derandomize=True)
+@given(
+    names=st.sets(
+        st.sampled_from(["apple_juice", "cup_large", "apple_juice_lid", "mug", "kitchen_sideboard"]), min_size=1
+    ),
+    count=st.integers(1, 2),
+    constraint=st.sampled_from(list(CONSTRAINT_TYPES)),
+    learning=st.builds(
+        LearningSettings,
+        time_alignment=st.sampled_from(["events", "phase", "seconds"]),
+        pairs=st.sampled_from(["functional", "all"]),
+        own_start_pairs=st.booleans(),
+        supports=st.sampled_from(["agent", "center"]),
+        update_rule=st.sampled_from(["welford", "paper"]),
+    ),
+)
+@example(STEADIED, 1, "cartesian", LearningSettings())
+@example(STEADIED, 2, "cylindrical", replace(LearningSettings(), time_alignment="seconds"))
+@example({"apple_juice", "mug", "apple_juice_lid"}, 2, "symbolic", LearningSettings.paper())
+def test_whatever_is_learned_can_be_read_back(pouring, tmp_path_factory, names, count, constraint, learning):
+    path = tmp_path_factory.mktemp("models") / "model.json"
+    try:
+        model = learn([showing(one, names) for one in (pouring[0], pouring[1])[:count]], constraint, settings=learning)
+    except DemonstrationError:
+        return
+    save_model(model, path)
+    assert equal(load_model(path), model)
+
+
+@pytest.mark.parametrize(
+    ("hint", "dtype"),
+    [
+        (NDArray[np.float64], np.float64),
+        (NDArray[np.int64], np.int64),
+        (np.ndarray[tuple[int, int], np.dtype[np.int32]], np.int32),
+        (ALIAS[np.float64], np.float64),
+        (ALIAS[np.int64], np.int64),
+        (tuple[float, ...], None),
+        (NDArray[np.float64] | None, None),
+        (float, None),
+        (list[int], None),
+    ],
+)
+def test_arrays_are_recognised_by_their_hints(hint, dtype):
+    assert _array_dtype(hint) is dtype
+
+
 def test_the_file_is_readable(model, tmp_path):
     save_model(model, tmp_path / "model.json")
     lines = (tmp_path / "model.json").read_text().splitlines()
@@ -58,8 +158,6 @@ def test_the_file_is_readable(model, tmp_path):
 
 
 def test_hands_that_were_not_seen(model, tmp_path):
-    from dataclasses import replace
-
     unseen = replace(model, holds=tuple(replace(hold, hand_position=np.zeros((0, 3))) for hold in model.holds))
     save_model(unseen, tmp_path / "model.json")
     assert load_model(tmp_path / "model.json").holds[0].hand_position.shape == (0, 3)

@@ -1,127 +1,126 @@
-"""Strokes are counted and whole cycles cut."""
-
-from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import RigidTransform, Rotation
 
-from sbam.demonstrations.demonstration import Demonstration, Label
-from sbam.demonstrations.events import find_events
-from sbam.demonstrations.synthetic import built_in_demonstrations
-from sbam.learning.anchors import align_events
-from sbam.learning.strokes import cut, equalize_strokes, strokes
+import sbam.robots
+from sbam.demonstrations.events import Event
+from sbam.demonstrations.scenes import starting_scene
+from sbam.demonstrations.synthetic import generate_rolling
+from sbam.evaluation import measure_rolling
+from sbam.learning import LearningSettings, add_demonstration, learn
+from sbam.learning.strokes import cut_sketch, equalize_sketches, strokes
+from sbam.planning.plan import plan
 
-
-def rolling(count, seed=0, rate=100.0):
-    """A pin that rolls forward and back ``count`` times, after a way to the dough and before a way back."""
-    random = np.random.default_rng(seed)
-    halves = 0.5 + 0.04 * random.uniform(-1, 1, 2 * count)
-    times = np.concatenate([[0.0, 1.0, 2.0], 2.0 + np.cumsum(halves)])
-    places = np.zeros((len(times) + 2, 3))
-    places[2 : len(times), 1] = (
-        0.3 + 0.14 * (np.arange(2 * count + 1) % 2) + 0.01 * random.uniform(-1, 1, 2 * count + 1)
-    )
-    places[2 : len(times), 0] = 0.1
-    times = np.concatenate([times, times[-1] + [1.0, 2.0]])
-    time = np.arange(0, times[-1], 1 / rate)
-    piece = np.clip(np.searchsorted(times, time, side="right") - 1, 0, len(times) - 2)
-    phase = (time - times[piece]) / (times[piece + 1] - times[piece])
-    blend = (phase**3 * (10 - 15 * phase + 6 * phase**2))[:, None]
-    position = places[piece] + blend * (places[piece + 1] - places[piece])
-    pin = RigidTransform.from_components(position, Rotation.identity(len(time)))
-    return Demonstration(
-        name=f"rolling_{count}_{seed}",
-        time=time,
-        T_world_object={"rolling_pin": pin},
-        T_world_hand={"left": pin},
-        T_world_agent=RigidTransform.identity(),
-        labels=(Label("left", 0.0, 2.0, "lift"), Label("left", 2.0, float(time[-1]), "roll out")),
-    )
+FLYING_HANDS = Path(sbam.robots.__file__).parent / "models" / "flying_hands.yaml"
+SETTINGS = LearningSettings.default()
 
 
-def counted(demonstration):
-    return len(strokes(find_events(demonstration), "rolling_pin"))
+@pytest.fixture(scope="module")
+def unequal():
+    return [generate_rolling(seed, strokes=count) for seed, count in enumerate((5, 5, 6, 5, 3))]
 
 
-def equalize(demonstrations):
-    return equalize_strokes(demonstrations, [find_events(item) for item in demonstrations])
+def reversals(sketch):
+    return len(strokes(sketch.events, "handle_left"))
 
 
-@pytest.mark.parametrize("rate", [100.0, 30.0])
-def test_longer_ones_are_cut_and_shorter_ones_left_out(rate):
-    counts = (5, 4, 6, 5, 7, 5)
-    given = [rolling(count, seed, rate) for seed, count in enumerate(counts)]
-    result = equalize(given)
-    assert result.kept == (0, 2, 3, 4, 5)
-    reference = counted(given[0])
-    assert [counted(item) for item in result.demonstrations] == [reference] * 5
-    assert [item is given[index] for item, index in zip(result.demonstrations, result.kept, strict=True)] == [
-        True,
-        False,
-        True,
-        False,
-        True,
-    ]
-    assert any("rolling_4_1 is left out" in note for note in result.notes)
-    assert any("rolling_6_2: 1 of" in note for note in result.notes)
-    assert any("rolling_7_4: 2 of" in note for note in result.notes)
-    assert len(result.notes) == 3
-    for item in result.demonstrations:
-        assert np.all(np.diff(item.time) > 0)
-        assert item.time[0] == 0
-        step = np.linalg.norm(np.diff(item.T_world_object["rolling_pin"].translation, axis=0), axis=1)
-        # 0.55 m/s is the top speed of a stroke; a cut may add a jump of a few millimetres.
-        assert step.max() < 0.55 / rate + 0.008
-    anchors = align_events(
-        [find_events(item) for item in result.demonstrations], [i.duration for i in result.demonstrations]
-    )
-    assert Counter(anchors.kinds)["reversal"] == reference
+def test_longer_ones_are_cut_and_shorter_ones_left_out(unequal):
+    sketches = learn(unequal).demonstrations
+    counts = [reversals(sketch) for sketch in sketches]
+    assert counts[2] >= counts[0] + 2 > counts[4] + 2
+    kept, notes = equalize_sketches(sketches, SETTINGS)
+    assert [sketch.name for sketch in kept] == [sketch.name for sketch in sketches[:4]]
+    assert max(map(reversals, kept)) - min(map(reversals, kept)) <= 1
+    assert any("left out" in note and sketches[4].name in note for note in notes)
+    assert any("cut" in note and sketches[2].name in note for note in notes)
+    assert kept[0] is sketches[0]
+    cut = kept[2]
+    assert cut.duration < sketches[2].duration
+    for pair in cut.candidates:
+        for channel in pair.channels:
+            assert np.all(np.diff(channel.time) > 0)
+            assert channel.time[-1] == pytest.approx(cut.duration)
 
 
-def test_equal_numbers_and_tasks_without_strokes_are_left_alone():
-    for given in (
-        [rolling(4, seed) for seed in range(3)],
-        list(built_in_demonstrations("rolling", 0)),
-        list(built_in_demonstrations("pouring", 0)),
-    ):
-        result = equalize(given)
-        assert all(item is other for item, other in zip(result.demonstrations, given, strict=True))
-        assert result.kept == tuple(range(len(given)))
-        assert result.notes == ()
+def test_the_model_has_the_strokes_of_most_demonstrations(unequal):
+    model, equal = learn(unequal), learn([unequal[i] for i in (0, 1, 3)])
+    count = sum(anchor.kind == "reversal" for anchor in equal.anchors)
+    assert count >= 8
+    assert sum(anchor.kind == "reversal" for anchor in model.anchors) == pytest.approx(count, abs=1)
+    assert any("left out" in note for note in model.notes)
+    assert len(model.demonstrations) == 5
+    amplitudes = []
+    for one in (model, equal):
+        change = next(c for c in one.changes if c.pair.is_own_start)
+        mean, _ = change.at(one.keypoint_times)
+        amplitudes.append(np.abs(np.diff(mean[:, 1])).sum())
+    assert amplitudes[0] == pytest.approx(amplitudes[1], rel=0.15)
 
 
-def test_roles_bind_objects_of_different_names():
-    given = [rolling(4, 0), rolling(5, 1), rolling(4, 2)]
-    given[1] = replace(given[1], T_world_object={"other_pin": given[1].T_world_object["rolling_pin"]})
-    roles = [{"rolling_pin": "pin"}, {"other_pin": "pin"}, {"rolling_pin": "pin"}]
-    result = equalize_strokes(given, [find_events(item) for item in given], roles)
-    assert len(result.notes) == 1
-    assert len(strokes(find_events(result.demonstrations[1]), "other_pin")) == counted(given[0])
+def test_adding_is_learning_at_once(unequal):
+    model = learn(unequal[:3])
+    for demonstration in unequal[3:]:
+        model = add_demonstration(model, demonstration)
+    again = learn(unequal)
+    np.testing.assert_array_equal(model.keypoint_times, again.keypoint_times)
+    for one, other in zip(model.changes, again.changes, strict=True):
+        for channel, copy in zip(one.channels, other.channels, strict=True):
+            np.testing.assert_array_equal(channel.mean, copy.mean)
+            np.testing.assert_array_equal(channel.std, copy.std)
 
 
-def test_only_alternating_reversals_are_strokes():
-    events = find_events(rolling(4))
-    found = strokes(events, "rolling_pin")
-    broken = [replace(event, descriptor=found[2].descriptor) if event is found[3] else event for event in events]
-    assert len(strokes(broken, "rolling_pin")) < len(found)
-    assert strokes(events, "cup_small") == ()
+def test_a_cut_removes_what_is_between(unequal):
+    sketch = learn(unequal[:1]).demonstrations[0]
+    turning = [event.time for event in strokes(sketch.events, "handle_left")]
+    cut = cut_sketch(sketch, turning[1], turning[3])
+    length = turning[3] - turning[1]
+    assert cut.duration == pytest.approx(sketch.duration - length)
+    assert reversals(cut) == reversals(sketch) - 2
+    for hold, before in zip(cut.holds, sketch.holds, strict=True):
+        assert hold.grasp == before.grasp and hold.release == pytest.approx(before.release - length)
 
 
-def test_a_cut_shortens_everything_alike():
-    given = rolling(4)
-    first, second = 250, 350
-    result = cut(given, first, second)
-    assert result.duration == pytest.approx(given.duration - 1.0)
-    np.testing.assert_allclose(np.diff(result.time), 0.01, atol=1e-9)
-    for poses, before in (
-        (result.T_world_object["rolling_pin"], given.T_world_object["rolling_pin"]),
-        (result.T_world_hand["left"], given.T_world_hand["left"]),
-    ):
-        np.testing.assert_array_equal(poses.translation[: first + 1], before.translation[: first + 1])
-        np.testing.assert_array_equal(poses.translation[first + 1 :], before.translation[second + 1 :])
-    assert [(label.start, label.end) for label in result.labels] == [(0.0, 2.0), (2.0, pytest.approx(result.duration))]
-    assert "2.50 to 3.50 s cut" in result.notes
-    within = replace(given, labels=(Label("left", 2.6, 3.4, "roll out"),))
-    assert cut(within, first, second).labels == ()
+def test_a_cut_changes_no_more_than_the_channels_of_a_pair(unequal):
+    sketch = learn(unequal[:1]).demonstrations[0]
+    before = [replace(pair, channels=()) for pair in sketch.candidates]
+    assert any(pair.from_agent for pair in before)
+    assert [replace(pair, channels=()) for pair in cut_sketch(sketch, 3.0, 4.0).candidates] == before
+
+
+@pytest.mark.parametrize(("learned", "added"), [((5, 5, 5, 7), ()), ((7, 5, 5, 5), ()), ((5, 5, 5), (6,))])
+def test_all_strokes_are_planned_whichever_demonstration_was_cut(learned, added):
+    counts = (*learned, *added)
+    demonstrations = [generate_rolling(seed, strokes=count) for seed, count in enumerate(counts)]
+    model = learn(demonstrations[: len(learned)])
+    for demonstration in demonstrations[len(learned) :]:
+        model = add_demonstration(model, demonstration)
+    assert any("cut to match" in note for note in model.notes)
+    planned = plan(model, starting_scene("built-in:rolling"), FLYING_HANDS)
+    assert planned.ok, planned.problems
+    measure = measure_rolling(planned)
+    assert measure.ok, measure.problems
+    assert measure.values["half-strokes"] == 8
+
+
+def test_without_strokes_nothing_changes(pouring):
+    sketches = learn(pouring[:2]).demonstrations
+    kept, notes = equalize_sketches(sketches, SETTINGS)
+    assert kept == sketches and notes == ()
+
+
+def reversal(time, along, name="pin"):
+    """A reversal in which the direction changes along y."""
+    return Event("reversal", name, time, np.array([0.0, along, 0.0]), 1.0)
+
+
+def test_strokes_are_the_longest_series_of_alternating_reversals():
+    to_and_fro = [reversal(time, (-1.0) ** time) for time in range(6)]
+    assert strokes(to_and_fro, "pin") == tuple(to_and_fro)
+    assert strokes(to_and_fro[::-1], "pin") == tuple(to_and_fro)
+    assert strokes(to_and_fro, "cup") == ()
+    twice_alike = [*to_and_fro[:4], reversal(3.5, (-1.0) ** 3), *to_and_fro[4:]]
+    assert strokes(twice_alike, "pin") == tuple(to_and_fro[:4])
+    others = [reversal(0.5, -1.0, "cup"), Event("tilt", "pin", 2.5, np.array([1.0]), 1.0)]
+    assert strokes([*to_and_fro, *others], "pin") == tuple(to_and_fro)

@@ -31,7 +31,7 @@ from sbam.learning.model import ActionModel, Anchor, Role, Variant
 from sbam.learning.pairs import pairs_that_move
 from sbam.learning.settings import LearningSettings
 from sbam.learning.sketch import ChannelCandidates, DemonstrationSketch, PairCandidates, sketch_demonstration
-from sbam.learning.stroke_cutting import equalize_sketches
+from sbam.learning.strokes import equalize_sketches
 from sbam.learning.variants import order_groups
 from sbam.scene.object_library import ObjectLibrary
 
@@ -107,7 +107,7 @@ def add_demonstration(
     """
     library = ObjectLibrary.built_in() if library is None else library
     (demonstration,) = as_demonstrations(demonstration)
-    sketch = _sketch(demonstration, model.demonstrations, library, model.constraint, model.settings)
+    sketch = _sketch(demonstration, model.demonstrations, library, model.constraint, model.settings, model.changes)
     if _keeps_candidates(model.settings):
         return _build(model.name, model.constraint, model.settings, (*model.demonstrations, sketch))
     return _extended(model, sketch, model.name, model.constraint, model.settings)
@@ -157,7 +157,9 @@ def _sketch(
     library: Library,
     constraint: str,
     settings: LearningSettings,
+    changes: Sequence[GeneralizedChange] = (),
 ) -> DemonstrationSketch:
+    """What is kept of a demonstration; ``changes`` stand for the candidates that earlier ones may no longer have."""
     check_recording(demonstration)
     if any(demonstration.name == sketch.name for sketch in earlier):
         raise DemonstrationError(demonstration.name, "is in the model already", "rename it if it is another recording")
@@ -172,15 +174,8 @@ def _sketch(
                 f"no two of its objects belong together by their affordances; it shows {', '.join(models) or 'none'}",
             )
     sketch = sketch_demonstration(demonstration, objects, models, constraint, settings)
-    if earlier and earlier[0].candidates:
-        supports = [{found.pair for found in one.candidates if found.from_agent} for one in (earlier[0], sketch)]
-        if supports[0] != supports[1]:
-            pair = min(map(str, supports[0] ^ supports[1]))
-            raise DemonstrationError(
-                demonstration.name,
-                f"{pair}: its support can be moved and that of {earlier[0].name!r} cannot, or the other way round",
-                "learn them as two actions",
-            )
+    if earlier:
+        sketch = _of_known_pairs(sketch, earlier[0].candidates or changes, earlier[0].name)
     if not any(role.moves for role in sketch.roles):
         raise DemonstrationError(demonstration.name, f"none of its objects ({', '.join(objects.values())}) moves")
     notes = tuple(
@@ -188,6 +183,26 @@ def _sketch(
         for name in unknown_objects(demonstration, library)
     )
     return replace(sketch, notes=notes)
+
+
+def _of_known_pairs(
+    sketch: DemonstrationSketch, known: Sequence[PairCandidates | GeneralizedChange], first: str
+) -> DemonstrationSketch:
+    """The sketch with the pairs that the first demonstration shows, in their order, and no others."""
+    own = {candidates.pair: candidates for candidates in sketch.candidates}
+    for pair, constraint, from_agent in ((one.pair, one.constraint, one.from_agent) for one in known):
+        if pair not in own:
+            problem = f"has objects that cannot be moved, or afford other things, than those of {first!r}"
+        elif own[pair].from_agent != from_agent:
+            problem = f"its support can be moved and that of {first!r} cannot, or the other way round"
+        elif own[pair].constraint != constraint:
+            problem = (
+                f"is seen as {own[pair].constraint}, in {first!r} as {constraint}: the objects are built differently"
+            )
+        else:
+            continue
+        raise DemonstrationError(sketch.name, f"{pair}: {problem}", "learn them as two actions")
+    return replace(sketch, candidates=tuple(own[one.pair] for one in known))
 
 
 @dataclass(frozen=True)
@@ -280,21 +295,30 @@ def _generalized(
     anchors: Array | None,
 ) -> tuple[GeneralizedChange, ...]:
     """Changes after one more demonstration; ``anchors`` (A,) are knots in both, None: only the ends belong together."""
+    if not changes:
+        return tuple(_first_change(candidate) for candidate in candidates)
     result = []
-    for index, candidate in enumerate(candidates):
-        kind = constraint_type(candidate.constraint)
+    for change, candidate in zip(changes, candidates, strict=True):
+        assert (change.pair, change.constraint, change.from_agent) == (
+            candidate.pair,
+            candidate.constraint,
+            candidate.from_agent,
+        )
         channels = []
-        for position, new in enumerate(candidate.channels):
-            if not changes:
-                names = kind.channel_names[position], kind.channel_units[position]
-                channels.append(first_demonstration(*names, new.time, new.value))
-                continue
-            old = changes[index].channels[position]
+        for old, new in zip(change.channels, candidate.channels, strict=True):
             given = None if anchors is None else (_nearest(old.time, anchors), _nearest(new.time, anchors))
             channels.append(add_candidates(old, new.time, new.value, demonstrations, settings, given))
-        change = GeneralizedChange(candidate.pair, candidate.constraint, tuple(channels), candidate.from_agent)
-        result.append(change)
+        result.append(replace(change, channels=tuple(channels)))
     return tuple(result)
+
+
+def _first_change(candidates: PairCandidates) -> GeneralizedChange:
+    kind = constraint_type(candidates.constraint)
+    channels = tuple(
+        first_demonstration(name, unit, channel.time, channel.value)
+        for name, unit, channel in zip(kind.channel_names, kind.channel_units, candidates.channels, strict=True)
+    )
+    return GeneralizedChange(candidates.pair, candidates.constraint, channels, candidates.from_agent)
 
 
 def _nearest(time: Array, wanted: Array) -> NDArray[np.int64]:
@@ -316,19 +340,27 @@ def _assembled(
     )
     duration = float(axis.model[-1])
     histogram = keypoint_histogram(changes, duration, settings)
+    roles = _roles(sketches, changes)
+    named = {role.name for role in roles}
+    holds = hand_holds(sketches, axis.anchors, axis.model)
+    unwatched = tuple(
+        f"the {hold.hand} hand holds {hold.role}, which is in no watched pair: this is no part of the action"
+        for hold in holds
+        if hold.role not in named
+    )
     return ActionModel(
         name=name,
         constraint=constraint,
         mode=settings.mode,
-        roles=_roles(sketches, changes),
+        roles=roles,
         changes=changes,
         anchors=anchors,
         keypoint_times=keypoint_times(histogram, axis.model),
-        holds=hand_holds(sketches, axis.anchors, axis.model),
+        holds=tuple(hold for hold in holds if hold.role in named),
         synthetic=any(sketch.synthetic for sketch in sketches),
         demonstrations=sketches,
         settings=settings,
-        notes=axis.anchors.notes + tuple(note for sketch in sketches for note in sketch.notes),
+        notes=axis.anchors.notes + unwatched + tuple(note for sketch in sketches for note in sketch.notes),
     )
 
 

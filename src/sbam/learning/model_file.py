@@ -116,8 +116,9 @@ def _schema(hint: Any, matrix: bool = False) -> Any:
             default = () if field.default is MISSING else (field.default,)
             parts.append((field.name, kind, *default))
         return msgspec.defstruct(hint.__name__, parts, forbid_unknown_fields=True, kw_only=True)
-    if get_origin(hint) is np.ndarray:
-        number = int if _dtype(hint) is np.int64 else float
+    dtype = _array_dtype(hint)
+    if dtype is not None:
+        number = int if issubclass(dtype, np.integer) else float
         return list[tuple[float, float, float]] if matrix else list[number]
     if get_origin(hint) is tuple:
         return tuple[_schema(get_args(hint)[0]), ...]
@@ -126,8 +127,14 @@ def _schema(hint: Any, matrix: bool = False) -> Any:
     return hint
 
 
-def _dtype(hint: Any) -> type:
-    return get_args(get_args(hint)[1])[0]
+def _array_dtype(hint: Any) -> type[np.generic] | None:
+    """The type of the numbers in an array, None if the hint is that of something else."""
+    origin, arguments = get_origin(hint), get_args(hint)
+    if origin is np.ndarray:
+        return get_args(arguments[1])[0]
+    if hasattr(origin, "__value__"):  # a type alias, as NDArray is one since numpy 2.5
+        return _array_dtype(origin.__value__[arguments])
+    return None
 
 
 def _typed(hint: Any, value: Any) -> Any:
@@ -139,8 +146,9 @@ def _typed(hint: Any, value: Any) -> Any:
             if (hint.__name__, name) in _MATRICES and content[name] is not None:
                 content[name] = content[name].reshape(-1, 3)
         return hint(**content)
-    if get_origin(hint) is np.ndarray:
-        return np.array(value, dtype=_dtype(hint))
+    dtype = _array_dtype(hint)
+    if dtype is not None:
+        return np.array(value, dtype=dtype)
     if get_origin(hint) is tuple:
         return tuple(_typed(get_args(hint)[0], item) for item in value)
     if get_origin(hint) in (Union, UnionType) and value is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -65,4 +65,4 @@ class Problem:
         """The problem of one keypoint alone, the previous one being solved (the paper's sequential order)."""
         center = None if self.center is None else self.center[keypoint : keypoint + 1]
         terms = tuple(term.at(keypoint, previous) for term in self.terms)
-        return Problem(self.workspace, terms, 1, center, self.radius)
+        return replace(self, terms=terms, count=1, center=center)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -58,7 +58,7 @@ class Damping(Term):
     def at(self, keypoint: int, previous: State | None) -> Damping:
         """The term at one keypoint, the previous object positions being constants."""
         start = self.start if previous is None else previous.object_position[-1]
-        return Damping(self.objects, self.weight[keypoint : keypoint + 1], start)
+        return replace(self, weight=self.weight[keypoint : keypoint + 1], start=start)
 
     def epsilon(self, smoothing: Smoothing) -> float:
         """Damping has its own smoothing: its norm is exactly zero at many optima."""

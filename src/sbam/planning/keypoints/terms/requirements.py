@@ -6,7 +6,7 @@ each other cannot move it visibly.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -88,7 +88,7 @@ class Resting(Term):
     def at(self, keypoint: int, previous: State | None) -> Resting:
         """The term at one keypoint."""
         k = slice(keypoint, keypoint + 1)
-        return Resting(self.objects, self.resting[k], self.position[k], self.rotation[k])
+        return replace(self, resting=self.resting[k], position=self.position[k], rotation=self.rotation[k])
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -59,4 +59,4 @@ class Smoothness(Term):
 
     def at(self, keypoint: int, previous: State | None) -> Smoothness:
         """The term at one keypoint, the previous configuration being a constant."""
-        return Smoothness(self.coefficient, self.start if previous is None else previous.configurations[-1])
+        return self if previous is None else replace(self, start=previous.configurations[-1])
