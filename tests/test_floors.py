@@ -13,7 +13,7 @@ PACKAGE = Path(__file__).parents[1] / "src" / "sbam"
 BASE = {"errors", "files", "schema", "plain"}
 LEARNING = BASE | {"scene", "demonstrations", "constraints", "learning"}
 PLANNING = LEARNING | {"robots", "planning"}
-ALL = PLANNING | {"batch", "simulation", "evaluation", "viewer", "export", "plots"}
+ALL = PLANNING | {"tasks", "batch", "simulation", "evaluation", "viewer", "export", "plots"}
 
 BELOW: Mapping[str, set[str]] = {
     "errors": set(),
@@ -26,9 +26,10 @@ BELOW: Mapping[str, set[str]] = {
     "learning": LEARNING - {"learning"},
     "robots": BASE | {"scene"},
     "planning": PLANNING - {"planning"},
+    "tasks": PLANNING,
     "batch": BASE | {"robots"},
-    "simulation": PLANNING | {"batch", "evaluation", "viewer", "export"},
-    "evaluation": PLANNING | {"batch"},
+    "simulation": PLANNING | {"tasks", "batch", "viewer", "export"},
+    "evaluation": PLANNING | {"tasks", "batch"},
     "viewer": PLANNING,
     "export": PLANNING,
     "plots": PLANNING,

@@ -16,8 +16,9 @@ from sbam.learning.model import Mode
 from sbam.robots import load_robot
 from sbam.simulation.simulate import yardstick_of
 from sbam.simulation.sweep_report import write_failures, write_maps, write_sweep_tables
-from sbam.simulation.tasks import TASKS, Values
 from sbam.simulation.trial import Case, Row, demonstrations_of, run_case
+from sbam.tasks.physics_task import Values
+from sbam.tasks.registry import TASKS
 
 COMPARED = {"pouring": slice(0, 9, 3), "rolling": slice(0, 8, 3)}
 """Demonstrations that a task's success is measured against: juice into the large cup, one of each layout; rolling."""

@@ -7,8 +7,9 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import FileFormatError, SimulationError, UnknownNameError
 from sbam.scene import AffordanceRegion, ObjectLibrary, ObjectModel, Primitive, Scene, upright_rotation
-from sbam.simulation import TASKS, find_task, load_task, simulate
-from sbam.simulation.action import Action
+from sbam.simulation import simulate
+from sbam.tasks import TASKS, find_task, load_task
+from sbam.tasks.action import Action
 
 STIRRING = Path(__file__).parents[2] / "examples" / "tasks" / "stirring.py"
 UP = np.array([0.0, 0.0, 1.0])
@@ -70,8 +71,8 @@ def test_a_file_without_a_task_is_refused(tmp_path: Path) -> None:
     with pytest.raises(FileFormatError, match="TASK"):
         load_task(tmp_path / "empty.py")
     (tmp_path / "half.py").write_text(
-        "from sbam.simulation.tasks import Task\n"
-        "class Half(Task):\n    def judge(self, values, yardstick):\n        return []\n"
+        "from sbam.tasks import PhysicsTask\n"
+        "class Half(PhysicsTask):\n    def judge(self, values, yardstick):\n        return []\n"
         "TASK = Half()\n"
     )
     with pytest.raises(FileFormatError, match=r"half.py.*abstract.*measure"):
