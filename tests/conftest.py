@@ -1,7 +1,8 @@
 """Fixtures shared by all tests."""
 
 import os
-from collections.abc import Callable
+import textwrap
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,31 @@ def recordings_folder() -> Path:
     if not folder.is_dir():
         pytest.skip(f"third-party recordings not found at {folder}; set SBAM_DATA")
     return folder
+
+
+@pytest.fixture
+def distribution(tmp_path: Path) -> Callable[..., Path]:
+    """``distribution(name, source, groups)``: a distribution with one module, in a folder to be put on the path.
+
+    ``groups`` is group -> name -> object of the module.
+    """
+
+    def build(name: str, source: str, groups: Mapping[str, Mapping[str, str]]) -> Path:
+        folder = tmp_path / f"site-{name}"
+        module = name.replace("-", "_")
+        about = folder / f"{module}-1.0.dist-info"
+        about.mkdir(parents=True)
+        (folder / f"{module}.py").write_text(textwrap.dedent(source), encoding="utf-8")
+        (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
+        lines = [
+            line
+            for group, objects in groups.items()
+            for line in (f"[{group}]", *(f"{key} = {module}:{value}" for key, value in objects.items()))
+        ]
+        (about / "entry_points.txt").write_text("\n".join(lines) + "\n")
+        return folder
+
+    return build
 
 
 @pytest.fixture(scope="session")

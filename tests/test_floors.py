@@ -10,13 +10,14 @@ import pytest
 
 PACKAGE = Path(__file__).parents[1] / "src" / "sbam"
 
-BASE = {"errors", "files", "schema", "plain"}
+BASE = {"errors", "extensions", "files", "schema", "plain"}
 LEARNING = BASE | {"scene", "demonstrations", "constraints", "learning"}
 PLANNING = LEARNING | {"robots", "planning"}
 ALL = PLANNING | {"tasks", "batch", "simulation", "evaluation", "viewer", "export", "plots"}
 
 BELOW: Mapping[str, set[str]] = {
     "errors": set(),
+    "extensions": {"errors"},
     "files": {"errors"},
     "schema": {"errors"},
     "plain": set(),
