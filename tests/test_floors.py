@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from sbam.batch.fingerprint import SHARED
+
 PACKAGE = Path(__file__).parents[1] / "src" / "sbam"
 
 BASE = {"errors", "extensions", "files", "schema", "plain"}
@@ -108,6 +110,10 @@ def test_every_room_imports_only_from_below() -> None:
 
 def test_the_floors_themselves_have_no_circle() -> None:
     assert set(TopologicalSorter(BELOW).static_order()) >= set(BELOW)
+
+
+def test_a_fingerprint_covers_all_that_a_result_may_depend_on() -> None:
+    assert set(SHARED) == BELOW["evaluation"] == BELOW["simulation"] - {"viewer", "export"}
 
 
 @pytest.fixture

@@ -14,7 +14,12 @@ from typing import Any
 
 from sbam.errors import ExtensionError
 
-BUILT_IN: Mapping[str, Mapping[str, str]] = {}
+BUILT_IN: Mapping[str, Mapping[str, str]] = {
+    "sbam.tasks": {
+        "pouring": "sbam.tasks.pouring.physics:Pouring",
+        "rolling": "sbam.tasks.rolling.physics:Rolling",
+    },
+}
 """Group -> name -> ``module:object``; a new object of the project's own is one line here."""
 
 

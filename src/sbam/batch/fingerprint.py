@@ -15,7 +15,7 @@ from scipy.spatial.transform import RigidTransform
 from sbam.robots import Robot
 
 SHARED = (
-    *("errors", "files", "plain", "schema"),
+    *("errors", "extensions", "files", "plain", "schema"),
     *("batch", "constraints", "demonstrations", "learning", "planning", "robots", "scene", "tasks"),
 )
 """Packages and modules whose code and data all long work depends on, beside its own package."""

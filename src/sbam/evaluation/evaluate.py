@@ -6,7 +6,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import msgspec
 
@@ -14,7 +14,7 @@ from sbam.batch.table import Table, write_tables
 from sbam.constraints import constraint_type
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.loading import BUILT_IN, load
-from sbam.demonstrations.synthetic import BuiltInTask, built_in_demonstrations
+from sbam.demonstrations.synthetic import BUILT_IN_TASKS, BuiltInTask, built_in_demonstrations
 from sbam.errors import SettingsError
 from sbam.evaluation.cross_validation import evaluate_folds, learning_only_from, leave_one_out, train_and_test
 from sbam.evaluation.fold import FLYING_HANDS, Condition, FoldResult
@@ -23,8 +23,6 @@ from sbam.learning.settings import LearningSettings
 from sbam.plain import plain
 from sbam.planning.settings import PlanSettings
 from sbam.scene import ObjectLibrary
-
-TASKS: tuple[BuiltInTask, ...] = get_args(BuiltInTask)
 
 
 def evaluate(
@@ -87,7 +85,7 @@ def recordings_for(sources: Sequence[str | Path], seed: int = 0) -> list[Demonst
     rest: list[str | Path] = []
     for source in sources:
         task = str(source).removeprefix(BUILT_IN)
-        known: BuiltInTask | None = next((name for name in TASKS if name == task), None)
+        known: BuiltInTask | None = next((name for name in BUILT_IN_TASKS if name == task), None)
         if known and (str(source) != task or not Path(source).exists()):
             found += built_in_demonstrations(known, seed)
         else:

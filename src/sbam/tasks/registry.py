@@ -1,4 +1,4 @@
-"""Tasks by name, and from files."""
+"""Tasks by name, built-in or registered by other distributions, and from files."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from sbam.errors import FileFormatError, SimulationError, UnknownNameError
+from sbam.extensions import registered
 from sbam.tasks.action import Action
 from sbam.tasks.physics_task import PhysicsTask
-from sbam.tasks.pouring.physics import Pouring
-from sbam.tasks.rolling.physics import Rolling
 
-TASKS: Mapping[str, PhysicsTask] = {task.name: task for task in (Pouring(), Rolling())}
-"""Name -> task; a new one is a file and a line here, or a file of your own (`load_task`)."""
+GROUP = "sbam.tasks"
+"""Entry points of this group, in any installed distribution, are tasks: objects or classes that are `PhysicsTask`."""
+TASKS: Mapping[str, PhysicsTask] = registered(GROUP, PhysicsTask)
+"""Name -> task, the built-in ones and those that other distributions register; each is loaded when it is asked for."""
 
 
 def find_task(action: Action, wanted: PhysicsTask | str | None = None) -> PhysicsTask:
@@ -26,6 +27,7 @@ def find_task(action: Action, wanted: PhysicsTask | str | None = None) -> Physic
     Raises:
         UnknownNameError: for an unknown name.
         FileFormatError: for a file without a task.
+        ExtensionError: if a task that a distribution registers cannot be loaded.
         SimulationError: if no task fits, or more than one.
     """
     if isinstance(wanted, PhysicsTask):
