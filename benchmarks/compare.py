@@ -21,9 +21,9 @@ from measuring import floor_task, grasped, peak_megabytes, problem_of
 
 import sbam
 from sbam.errors import FileFormatError
-from sbam.evaluation import random_pouring_scene, random_rolling_scene
 from sbam.files import write_atomically
 from sbam.planning.keypoints.solvers.whole_trajectory import solve_whole_trajectory
+from sbam.tasks import random_pouring_scene, random_rolling_scene
 
 BASELINE = Path(__file__).with_name("baseline.json")
 WORSE = 0.25  # share by which a time or a memory may grow before it is named

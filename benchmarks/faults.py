@@ -15,13 +15,13 @@ import numpy as np
 
 import sbam
 from sbam.errors import SbamError
-from sbam.evaluation import random_pouring_scene
 from sbam.evaluation.executed_motion import ExecutedMotion
-from sbam.evaluation.faults import measure_faults
 from sbam.evaluation.person import person_motion
 from sbam.planning.bind import bind
 from sbam.planning.keypoints.objective import build_problem
 from sbam.planning.keypoints.solvers.nelder_mead import solve_nelder_mead
+from sbam.tasks import random_pouring_scene
+from sbam.tasks.faults import measure_faults
 
 CONDITIONS = (("paper", "paper"), ("paper", "default"), ("default", "default"))
 """How it is learned, and how it is solved."""

@@ -15,9 +15,9 @@ import numpy as np
 
 import sbam
 from sbam.errors import SbamError
-from sbam.evaluation import random_pouring_scene, random_rolling_scene
 from sbam.planning.report import plan_report
 from sbam.robots.human_likeness import PERSON_SWIVEL_DEG
+from sbam.tasks import random_pouring_scene, random_rolling_scene
 
 FORMS = (
     ("without t_h", {"human_likeness": 0.0}),

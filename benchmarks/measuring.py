@@ -12,13 +12,13 @@ from typing import Literal
 import numpy as np
 
 import sbam
-from sbam.evaluation import random_pouring_scene
 from sbam.planning.bind import bind
 from sbam.planning.keypoints.objective import build_problem
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.terms import Similarity
 from sbam.planning.settings import PlanSettings
 from sbam.planning.start import in_agent_frame
+from sbam.tasks import random_pouring_scene
 
 Mode = Literal["default", "paper"]
 

@@ -18,13 +18,13 @@ from measuring import floor, grasped, least_seconds, peak_megabytes, problem_of,
 from scipy.optimize import minimize
 
 import sbam
-from sbam.evaluation import random_pouring_scene
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.solvers.linearization import evaluate, linearize
 from sbam.planning.keypoints.solvers.nelder_mead import solve_nelder_mead
 from sbam.planning.keypoints.solvers.whole_trajectory import solve_whole_trajectory
 from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.terms import Smoothing
+from sbam.tasks import random_pouring_scene
 
 KEYPOINTS, REPEATS = 30, 7
 NEARLY_EXACT = Smoothing(1e-6, 1e-6, 1e-9)  # SLSQP needs a derivative everywhere

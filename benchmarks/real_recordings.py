@@ -13,13 +13,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 from scipy.spatial.transform import RigidTransform
 
 import sbam
 from sbam.errors import SbamError
-from sbam.evaluation import Measure, measure_pouring, measure_put_down, measure_rolling
-from sbam.evaluation.task_geometry import POUR_TILT
+from sbam.tasks import GeometryResult, measure_pouring, measure_put_down, measure_rolling
+from sbam.tasks.pouring.geometry import mouth_path
 
 MOVED = 0.10  # m
 POUR, ROLL = "Pour_files_motions_2967_Pour1_cs_ms_0_20l_04", "RollOut_files_motions_3113_Roll1_dough_start_07"
@@ -35,15 +34,15 @@ def displaced(scene: sbam.Scene, names: Sequence[str], right: float, forward: fl
 def demonstrated(demonstration: sbam.Demonstration, bottle: str, cup: str) -> str:
     """What a person's own pour measures, by the same rules."""
     library = sbam.ObjectLibrary.built_in()
-    T_bottle, T_cup = demonstration.T_world_object[bottle], demonstration.T_world_object[cup]
-    mouth = T_bottle.apply(library[bottle].region("pour from").center)
-    offset = 1e3 * (mouth - T_cup.apply(library[cup].region("pour into").center))
-    tilted = T_bottle.rotation.apply(library[bottle].up)[:, 2] < np.cos(POUR_TILT)
-    aside, above = np.hypot(offset[tilted, 0], offset[tilted, 1]), offset[tilted, 2]
+    rim = demonstration.T_world_object[cup].apply(library[cup].region("pour into").center)
+    mouth = mouth_path(library[bottle], demonstration.T_world_object[bottle], rim)
+    aside, above = 1e3 * mouth.aside[mouth.may_flow], 1e3 * mouth.above[mouth.may_flow]
     return f"mouth aside, worst {aside.max():.0f} mm, above {above.min():.0f} to {above.max():.0f} mm"
 
 
-def report(name: str, model: sbam.ActionModel, scene: sbam.Scene, measures: Sequence[Callable[..., Measure]]) -> None:
+def report(
+    name: str, model: sbam.ActionModel, scene: sbam.Scene, measures: Sequence[Callable[..., GeometryResult]]
+) -> None:
     begin = time.perf_counter()
     try:
         plan = sbam.plan(model, scene, robot="panda_dual")

@@ -13,14 +13,14 @@ import numpy as np
 
 import sbam
 from sbam.errors import SbamError
-from sbam.evaluation import (
+from sbam.planning.placement.search import reach_where_it_stands
+from sbam.tasks import (
     measure_pouring,
     measure_put_down,
     measure_rolling,
     random_pouring_scene,
     random_rolling_scene,
 )
-from sbam.planning.placement.search import reach_where_it_stands
 
 
 def run(task: str, constraint: str, seed: int, model: sbam.ActionModel, robot: str) -> dict[str, object]:

@@ -8,15 +8,18 @@ from pathlib import Path
 
 import pytest
 
+from sbam.batch.fingerprint import SHARED
+
 PACKAGE = Path(__file__).parents[1] / "src" / "sbam"
 
-BASE = {"errors", "files", "schema", "plain"}
+BASE = {"errors", "extensions", "files", "schema", "plain"}
 LEARNING = BASE | {"scene", "demonstrations", "constraints", "learning"}
 PLANNING = LEARNING | {"robots", "planning"}
-ALL = PLANNING | {"simulation", "evaluation", "viewer", "export", "plots"}
+ALL = PLANNING | {"tasks", "batch", "simulation", "evaluation", "viewer", "export", "plots"}
 
 BELOW: Mapping[str, set[str]] = {
     "errors": set(),
+    "extensions": {"errors"},
     "files": {"errors"},
     "schema": {"errors"},
     "plain": set(),
@@ -26,8 +29,10 @@ BELOW: Mapping[str, set[str]] = {
     "learning": LEARNING - {"learning"},
     "robots": BASE | {"scene"},
     "planning": PLANNING - {"planning"},
-    "simulation": PLANNING | {"evaluation", "viewer", "export"},
-    "evaluation": PLANNING,
+    "tasks": PLANNING,
+    "batch": BASE | {"robots"},
+    "simulation": PLANNING | {"tasks", "batch", "viewer", "export"},
+    "evaluation": PLANNING | {"tasks", "batch"},
     "viewer": PLANNING,
     "export": PLANNING,
     "plots": PLANNING,
@@ -105,6 +110,10 @@ def test_every_room_imports_only_from_below() -> None:
 
 def test_the_floors_themselves_have_no_circle() -> None:
     assert set(TopologicalSorter(BELOW).static_order()) >= set(BELOW)
+
+
+def test_a_fingerprint_covers_all_that_a_result_may_depend_on() -> None:
+    assert set(SHARED) == BELOW["evaluation"] == BELOW["simulation"] - {"viewer", "export"}
 
 
 @pytest.fixture

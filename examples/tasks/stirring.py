@@ -6,14 +6,14 @@ Used as `sbam simulate PLAN --task examples/tasks/stirring.py`. The spoon bears 
 
 import numpy as np
 
-from sbam.simulation import Task
-from sbam.simulation.vessel import inside
+from sbam.tasks import PhysicsTask
+from sbam.tasks.vessel import inside
 
 TURNS = 1.0  # that are needed
 SHOVED = 0.02  # m that the cup may be shoved
 
 
-class Stirring(Task):
+class Stirring(PhysicsTask):
     """Judges where the tip of the spoon goes."""
 
     name = "stirring"

@@ -23,6 +23,14 @@ class UnknownNameError(SbamError):
         super().__init__(f"unknown {kind} {name!r}{place}; known: {valid}")
 
 
+class ExtensionError(SbamError):
+    """Something that an installed distribution adds and that cannot be used; says which distribution and why."""
+
+    def __init__(self, distribution: str, group: str, name: str, value: str, problem: str, remedy: str) -> None:
+        self.distribution, self.group, self.name, self.problem = distribution, group, name, problem
+        super().__init__(f"{name!r} of {group} ({value}, from {distribution}): {problem}; {remedy}")
+
+
 class FileFormatError(SbamError):
     """A file that cannot be used; says the file, the place inside it and what was expected."""
 

@@ -9,11 +9,11 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from sbam.demonstrations.scenes import starting_scene
 from sbam.demonstrations.synthetic import built_in_demonstrations
 from sbam.errors import BindingError, SbamError, UnreachableError
-from sbam.evaluation import measure_pouring, measure_put_down, measure_rolling
 from sbam.learning.learn import learn
 from sbam.planning.plan import Plan, plan
 from sbam.planning.settings import PlanSettings
 from sbam.scene import Scene
+from sbam.tasks import measure_pouring, measure_put_down, measure_rolling
 
 
 def moved(scene: Scene, name: str, by) -> Scene:

@@ -10,15 +10,15 @@ import pytest
 import sbam
 from sbam.cli import main
 from sbam.results import write_results
-from sbam.simulation.action import Action, Arms
 from sbam.simulation.plan_folder import read_plan_folder
 from sbam.simulation.run import World
-from sbam.simulation.tasks import TASKS, Task
+from sbam.tasks import TASKS, PhysicsTask
+from sbam.tasks.action import Action, Arms
 
 COMPARED = "built-in:synthetic_rolling_0"
 
 
-class Nothing(Task):
+class Nothing(PhysicsTask):
     """A task that asks for nothing."""
 
     def measure(self, action, record):

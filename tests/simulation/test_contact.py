@@ -9,15 +9,15 @@ from sbam.errors import SimulationError, UnknownNameError
 from sbam.robots.jacobian import point_jacobian
 from sbam.scene import AffordanceRegion, ObjectModel, Primitive, Scene
 from sbam.simulation import simulate
-from sbam.simulation.action import Action, Arms, Grip
 from sbam.simulation.holding import check_grasp
 from sbam.simulation.report import simulation_report
-from sbam.simulation.tasks import Task
+from sbam.tasks import PhysicsTask
+from sbam.tasks.action import Action, Arms, Grip
 
 RISE = 0.06  # m
 
 
-class Lifting(Task):
+class Lifting(PhysicsTask):
     """The block shall be lifted."""
 
     name = "lifting"

@@ -54,13 +54,20 @@ def test_an_interrupted_sweep_goes_on_and_has_its_tables(swept, tmp_path: Path, 
     again = sweep(tmp_path, ["rolling"], constraints=["cartesian"], scenes=1, jobs=1)
     assert again["rows"] == report["rows"]
     assert time.perf_counter() - begin < 3.0
+    # a trial that another version of the code made
     trial = tmp_path / "trials" / kept.name
     content = json.loads(trial.read_text())
-    content["content"]["version"] = "another"
-    trial.write_text(json.dumps({**content, "version": "another"}))
-    case = module.Case("rolling", "panda_dual", "cartesian", "default", 0)
-    assert module._kept(tmp_path, case) is None
-    assert module._kept(tmp_path, case, any_version=True)["seed"] == 0
+    content["result"]["version"] = "another"
+    trial.write_text(json.dumps({**content, "fingerprint": "another"}))
+    seen: list[tuple[int, int]] = []
+    options = {"constraints": ["cartesian"], "scenes": 1, "jobs": 1, "progress": lambda *n: seen.append(n)}
+    (row,) = sweep(tmp_path, ["rolling"], any_version=True, **options)["rows"]
+    assert (row["version"], seen) == ("another", [(1, 1)])
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "run_case", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            sweep(tmp_path, ["rolling"], **options)
+    assert seen[1:] == [(0, 1)]
 
 
 def test_a_fault_in_one_trial_does_not_end_the_sweep(tmp_path: Path, monkeypatch) -> None:

@@ -16,6 +16,13 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 
+def _known_tasks(_: str) -> str:
+    """Called for the help of this verb alone: it takes a while to look through all that is installed."""
+    from sbam.extensions import names
+
+    return f"(known: {', '.join(names('sbam.tasks'))})"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Simulate(VerbOptions):
     """Try a written plan in physics: does the drink end up in the cup?"""
@@ -25,7 +32,11 @@ class Simulate(VerbOptions):
     ] = None
     task: Annotated[
         str | None,
-        arg(metavar="TASK", help="pouring, rolling, or a Python file that defines TASK; default: what fits."),
+        arg(
+            metavar="TASK",
+            help="What is tried: a name, or a Python file that defines TASK; default: what fits.",
+            help_behavior_hint=_known_tasks,
+        ),
     ] = None
     demonstrations: Annotated[
         tuple[str, ...],

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from sbam.batch.table import Cell, Table
 from sbam.evaluation.fold import FoldResult
 from sbam.evaluation.metrics import PERSON, PairDistances
-from sbam.evaluation.table import Cell, Table
 
 Array = NDArray[np.float64]
 Measure = Callable[[FoldResult], float | None]

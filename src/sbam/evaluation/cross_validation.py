@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import msgspec
-
+from sbam.batch.fingerprint import code_fingerprint, fingerprint, robot_fingerprint
+from sbam.batch.kept_results import KeptResults, Key
+from sbam.batch.resumable import Progress, resumed
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.events import objects_that_move
 from sbam.errors import DemonstrationError, UnknownNameError
-from sbam.evaluation.fingerprint import code_fingerprint, fingerprint, robot_fingerprint
 from sbam.evaluation.fold import FLYING_HANDS, Condition, Fold, FoldResult, run_fold
-from sbam.evaluation.parallel import executor
-from sbam.files import write_atomically
 from sbam.robots import Robot, load_robot
 from sbam.scene import ObjectLibrary
-
-Progress = Callable[[int, int], None]
 
 
 def leave_one_out(demonstrations: Sequence[Demonstration]) -> tuple[Fold, ...]:
@@ -115,51 +111,21 @@ def evaluate_folds(
         ClusterError: if the cluster does not answer or its support is not installed.
         OutputError: if the cache cannot be written.
     """
-    import joblib
-
     library = library or ObjectLibrary.built_in()
     robots = {condition.robot: _robot(condition.robot) for condition in conditions}
     robot_keys = {name: robot_fingerprint(robot) if robot else name for name, robot in robots.items()}
-    objects = fingerprint({name: library[name] for name in library})
+    common = code_fingerprint("evaluation"), fingerprint({name: library[name] for name in library})
     work = [(condition, fold) for condition in conditions for fold in folds]
-    files = [
-        cache / f"{fingerprint(code_fingerprint(), objects, robot_keys[condition.robot], condition, fold)}.json"
-        if cache
-        else None
-        for condition, fold in work
-    ]
-    results = [_finished(file) for file in files]
-    left = [index for index, result in enumerate(results) if result is None]
-    report = progress or (lambda done, total: None)
-    report(len(work) - len(left), len(work))
-    with executor(jobs, cluster) as parallel:
-        tasks = (
-            joblib.delayed(_indexed)(index, work[index][0], work[index][1], robots[work[index][0].robot], library)
-            for index in left
-        )
-        for done, (index, result) in enumerate(parallel(tasks), len(work) - len(left) + 1):
-            results[index] = result
-            file = files[index]
-            if file:
-                write_atomically(file, msgspec.json.encode(result))
-            report(done, len(work))
-    return [result for result in results if result is not None]
-
-
-def _indexed(
-    index: int, condition: Condition, fold: Fold, robot: Robot | None, library: ObjectLibrary
-) -> tuple[int, FoldResult]:
-    return index, run_fold(condition, fold, robot, library)
-
-
-def _finished(file: Path | None) -> FoldResult | None:
-    """The result that was kept, if there is one that can be read."""
-    if file is None or not file.exists():
-        return None
-    try:
-        return msgspec.json.decode(file.read_bytes(), type=FoldResult)
-    except (OSError, msgspec.DecodeError):
-        return None
+    prints = [fingerprint(*common, robot_keys[condition.robot], condition, fold) for condition, fold in work]
+    *_, results = resumed(
+        [Key(name=one, fingerprint=one) for one in prints],  # so that results of other settings stay
+        lambda index: (run_fold, (*work[index], robots[work[index][0].robot], library)),
+        KeptResults(cache, FoldResult),
+        jobs,
+        cluster,
+        progress,
+    )
+    return [results[index] for index in range(len(work))]
 
 
 def _robot(name: str) -> Robot | None:

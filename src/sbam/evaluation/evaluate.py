@@ -6,26 +6,23 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import msgspec
 
+from sbam.batch.table import Table, write_tables
 from sbam.constraints import constraint_type
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.loading import BUILT_IN, load
-from sbam.demonstrations.synthetic import BuiltInTask, built_in_demonstrations
+from sbam.demonstrations.synthetic import BUILT_IN_TASKS, BuiltInTask, built_in_demonstrations
 from sbam.errors import SettingsError
 from sbam.evaluation.cross_validation import evaluate_folds, learning_only_from, leave_one_out, train_and_test
 from sbam.evaluation.fold import FLYING_HANDS, Condition, FoldResult
-from sbam.evaluation.table import Table
 from sbam.evaluation.tables import evaluation_tables
-from sbam.files import write_atomically
 from sbam.learning.settings import LearningSettings
 from sbam.plain import plain
 from sbam.planning.settings import PlanSettings
 from sbam.scene import ObjectLibrary
-
-TASKS: tuple[BuiltInTask, ...] = get_args(BuiltInTask)
 
 
 def evaluate(
@@ -88,7 +85,7 @@ def recordings_for(sources: Sequence[str | Path], seed: int = 0) -> list[Demonst
     rest: list[str | Path] = []
     for source in sources:
         task = str(source).removeprefix(BUILT_IN)
-        known: BuiltInTask | None = next((name for name in TASKS if name == task), None)
+        known: BuiltInTask | None = next((name for name in BUILT_IN_TASKS if name == task), None)
         if known and (str(source) != task or not Path(source).exists()):
             found += built_in_demonstrations(known, seed)
         else:
@@ -136,21 +133,6 @@ def run_evaluation(recordings: Sequence[str | Path], output: Path | None = None,
     if output is not None:
         report["files"] = [str(path) for path in write_tables(tables, output)]
     return report
-
-
-def write_tables(tables: Sequence[Table], folder: Path) -> list[Path]:
-    """Write tables as Markdown, CSV and LaTeX; returns the files.
-
-    Raises:
-        OutputError: if a file cannot be written.
-    """
-    files = []
-    for table in tables:
-        stem = table.name.replace(" ", "_").replace("/", "_")
-        for suffix, text in ((".md", table.markdown()), (".csv", table.csv()), (".tex", table.latex())):
-            files.append(folder / f"{stem}{suffix}")
-            write_atomically(files[-1], text)
-    return files
 
 
 def default_cache() -> Path:

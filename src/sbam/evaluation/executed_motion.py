@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from sbam.constraints import RegionReference
 from sbam.planning.keypoints.free_flight import solve_free_flight
 from sbam.planning.motion.object_path import object_path, shapes_of
 from sbam.planning.plan import Plan
@@ -51,15 +50,6 @@ class ExecutedMotion:
     problems: tuple[str, ...]
 
 
-ObjectMotion = Plan | ExecutedMotion
-"""What knows where the objects of a task are over time."""
-
-
-def sample_times(motion: ObjectMotion) -> Array:
-    """(N,) s: when the samples of a motion are passed."""
-    return motion.trajectory.time if isinstance(motion, Plan) else motion.time
-
-
 def executed_plan(plan: Plan) -> ExecutedMotion:
     """The execution that a robot's plan is."""
     robot, task = plan.robot, plan.task
@@ -75,7 +65,7 @@ def executed_plan(plan: Plan) -> ExecutedMotion:
     return ExecutedMotion(
         task=task,
         keypoint_poses=poses,
-        time=plan.trajectory.time,
+        time=plan.time,
         model_time=plan.model_time,
         T_agent_object=plan.T_agent_object,
         objective=plan.solution.objective,
@@ -96,24 +86,3 @@ def flight(task: Task, settings: PlanSettings) -> ExecutedMotion:
         for moved in task.moved
     }
     return ExecutedMotion(task, poses, model_time, model_time, paths, solution.objective, None, None, ())
-
-
-def roles_poses(motion: ObjectMotion) -> dict[str, RigidTransform]:
-    """Role -> N poses of every moved object, agent frame."""
-    return {moved.role: motion.T_agent_object[moved.name] for moved in motion.task.moved}
-
-
-def region_points(
-    task: Task, T_agent_role: Mapping[str, RigidTransform], reference: RegionReference, count: int
-) -> Array:
-    """(N, 3) centre of a role's region, agent frame, m.
-
-    Args:
-        task: the model bound to the scene.
-        T_agent_role: role -> N poses of every moved object; what is missing stands where it stood at the start.
-        reference: the region.
-        count: N.
-    """
-    if reference.role in T_agent_role:
-        return T_agent_role[reference.role].apply(task.region_center(reference))
-    return np.broadcast_to(task.region_at_start(reference), (count, 3))

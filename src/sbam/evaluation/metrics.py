@@ -11,20 +11,21 @@ from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionPair
 from sbam.demonstrations.events import object_axis
-from sbam.evaluation.executed_motion import ExecutedMotion, region_points, roles_poses
+from sbam.evaluation.executed_motion import ExecutedMotion
 from sbam.evaluation.person import PersonMotion
 from sbam.evaluation.smoothness import joint_smoothness, path_smoothness
-from sbam.evaluation.task_geometry import measure_pouring, measure_put_down, measure_rolling, turning_points
 from sbam.learning.pairs import candidate_pairs
 from sbam.learning.settings import LearningSettings
 from sbam.planning.task import Task
+from sbam.tasks.geometry import measure_put_down
+from sbam.tasks.object_motion import region_points, roles_poses
+from sbam.tasks.pouring.geometry import ABOUT_TO_POUR_DISTANCE, ABOUT_TO_POUR_TILT, measure_pouring
+from sbam.tasks.rolling.geometry import measure_rolling, turning_points
 
 Array = NDArray[np.float64]
 
 SPREAD_FLOOR = 0.005  # m: spreads below it count as it, as in the weights of the planner
 DENSE_SAMPLES = 400
-POUR_TILT = np.deg2rad(30.0)  # rad: the person pours or is about to: beyond this tilt...
-POUR_NEAR = 0.080  # m: ...with the mouth this near to the rim
 PERSON = " (person)"  # ends the names of what is measured of the person, not of the execution
 
 
@@ -147,7 +148,8 @@ def _pouring(motion: ExecutedMotion, person: PersonMotion) -> dict[str, float]:
     poses = person.poses_at(person.aligned(clock))
     demonstrated = _demonstrated(person, poses, pair)
     axis = poses["pour_from"].rotation.apply(task.scene.objects[task.binding["pour_from"]].up)
-    pours = (axis[:, 2] < np.cos(POUR_TILT)) & (np.linalg.norm(demonstrated, axis=1) < POUR_NEAR)
+    near = np.linalg.norm(demonstrated, axis=1) < ABOUT_TO_POUR_DISTANCE
+    pours = (axis[:, 2] < np.cos(ABOUT_TO_POUR_TILT)) & near
     values: dict[str, float] = {}
     if pours.any():
         off = _vector(task, motion.keypoint_poses, pair, len(clock))[pours] - demonstrated[pours]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from sbam.batch.table import Cell, Table
 from sbam.evaluation.comparison import (
     PAIR_MEASURES,
     comparison_table,
@@ -17,7 +18,6 @@ from sbam.evaluation.comparison import (
 )
 from sbam.evaluation.fold import FoldResult
 from sbam.evaluation.paper_numbers import PAPER_DATA, PAPER_OBJECTS, PAPER_TABLES, paper_row
-from sbam.evaluation.table import Cell, Table
 
 ALL_PAIRS = "all pairs"
 

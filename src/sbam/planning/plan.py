@@ -76,6 +76,11 @@ class Plan:
         return not self.problems
 
     @property
+    def time(self) -> Array:
+        """(N,) s: when the samples of the trajectory are passed."""
+        return self.trajectory.time
+
+    @property
     def T_world_agent(self) -> RigidTransform:
         """The agent frame in the scene's world."""
         return self.task.scene.T_world_agent

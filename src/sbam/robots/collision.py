@@ -150,7 +150,7 @@ class CollisionModel:
         # nearest bound first: most of the others need no exact distance then
         order = np.lexsort((bound, cell))
         items = zip(*(a[order].tolist() for a in (sample, pair, bound, cell)), strict=True)
-        with Measure(self.shapes, position, rotation) as measure:
+        with ExactDistances(self.shapes, position, rotation) as measure:
             for at, which, low, where in items:
                 if low < least[where]:
                     distance = measure(at, self.pairs[which], least[where])
@@ -180,7 +180,7 @@ class CollisionModel:
         position, rotation = self.shapes.poses(configurations, T_world_object)
         sample, pair, kind, _ = self._candidates(position, rotation, held, margin, classes)
         distance, points = np.empty(len(sample)), np.empty((len(sample), 6))
-        with Measure(self.shapes, position, rotation) as measure:
+        with ExactDistances(self.shapes, position, rotation) as measure:
             for i in range(len(sample)):
                 distance[i] = measure(sample[i], self.pairs[pair[i]], margin)
                 points[i] = measure.points
@@ -251,7 +251,7 @@ class CollisionModel:
         return self.shapes.owners[first], self.shapes.owners[second]
 
 
-class Measure:
+class ExactDistances:
     """Exact distances of shapes by MuJoCo, in a ``with`` statement; lends its data from the shapes."""
 
     def __init__(self, shapes: CollisionShapes, position: Floats, rotation: Floats) -> None:
@@ -260,7 +260,7 @@ class Measure:
         self._position, self._rotation = position, rotation.reshape(*rotation.shape[:2], 9)
         self.points = np.zeros(6)
 
-    def __enter__(self) -> Measure:
+    def __enter__(self) -> ExactDistances:
         import mujoco
 
         self._distance, self._model = mujoco.mj_geomDistance, self._shapes.model

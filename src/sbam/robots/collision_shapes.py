@@ -29,7 +29,7 @@ class CollisionShapes:
         owners: name of each owner of shapes: a robot's body or an object.
         geoms: (G,) shapes' indices in the model; all arrays below follow this order.
         owner: (G,) index of each shape's owner.
-        spare_data: MuJoCo data of the model that nobody uses, see `sbam.robots.collision.Measure`.
+        spare_data: MuJoCo data of the model that nobody uses, see `sbam.robots.collision.ExactDistances`.
     """
 
     def __init__(self, robot: Robot, objects: Mapping[str, ObjectModel]) -> None:

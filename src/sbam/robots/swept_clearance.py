@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform
 
-from sbam.robots.collision import ClearanceReport, CollisionModel, Held, Measure
+from sbam.robots.collision import ClearanceReport, CollisionModel, ExactDistances, Held
 from sbam.robots.collision_pairs import PAIR_CLASSES, hand_bodies
 
 Floats = NDArray[np.float64]
@@ -167,7 +167,7 @@ class _Search:
         bound[~counts] = np.inf
         worth = np.flatnonzero(bound < self.least[kind] + SLACK)
         order = worth[np.argsort(bound[worth], kind="stable")]
-        with Measure(collision.shapes, position, rotation) as measure:
+        with ExactDistances(collision.shapes, position, rotation) as measure:
             for item, at_row, which in zip(order.tolist(), row[order].tolist(), kind[order].tolist(), strict=True):
                 farthest = float(self.least[which]) + SLACK
                 if bound[item] < farthest:

@@ -13,7 +13,7 @@ from sbam.robots.composition import OBJECT_PREFIX
 from sbam.robots.description import ArmName
 from sbam.robots.jacobian import point_jacobian
 from sbam.robots.robot import Robot
-from sbam.simulation.action import Arms, Grip
+from sbam.tasks.action import Arms, Grip
 
 if TYPE_CHECKING:
     import mujoco

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from sbam.robots.collision_pairs import hand_bodies
 from sbam.robots.composition import OBJECT_PREFIX
-from sbam.simulation.action import Action
-from sbam.simulation.record import Contact
+from sbam.tasks.action import Action
+from sbam.tasks.record import Contact
 
 if TYPE_CHECKING:
     import mujoco

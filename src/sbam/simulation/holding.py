@@ -13,9 +13,9 @@ from sbam.robots import Robot
 from sbam.robots.collision_pairs import hand_bodies
 from sbam.robots.composition import OBJECT_PREFIX, pose_arrays
 from sbam.robots.registry import ROBOTS, load_robot
-from sbam.simulation.action import Action, Grip
 from sbam.simulation.arms import finger_joints
-from sbam.simulation.record import Slip
+from sbam.tasks.action import Action, Grip
+from sbam.tasks.record import Slip
 
 if TYPE_CHECKING:
     import mujoco

@@ -14,7 +14,7 @@ from sbam.export import read_trajectory_npz
 from sbam.robots.options import options_text
 from sbam.robots.registry import ROBOTS, load_robot
 from sbam.scene import ObjectLibrary, load_scene
-from sbam.simulation.action import Action, Arms, Grip
+from sbam.tasks.action import Action, Arms, Grip
 
 TRAJECTORY, REPORT, SCENE = "trajectory.npz", "report.json", "scene.yaml"
 

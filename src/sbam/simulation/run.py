@@ -15,14 +15,14 @@ from sbam.robots.composition import OBJECT_PREFIX, pose_arrays
 from sbam.robots.lighting import light
 from sbam.robots.robot import Robot
 from sbam.scene import support_height
-from sbam.simulation.action import Action
 from sbam.simulation.arms import FINGER_FORCE, MotorControl, add_motors, finger_joints
 from sbam.simulation.contacts import ContactWatch
 from sbam.simulation.holding import WELD, WELD_IMPEDANCE, GraspKind, Holds, add_grips, check_grasp
-from sbam.simulation.materials import SUPPORT, physics_options
-from sbam.simulation.record import Record
-from sbam.simulation.tasks.base import Task
 from sbam.simulation.world import GUIDE, add_object, set_robot_contacts
+from sbam.tasks.action import Action
+from sbam.tasks.materials import SUPPORT, physics_options
+from sbam.tasks.physics_task import PhysicsTask
+from sbam.tasks.record import Record
 
 if TYPE_CHECKING:
     import mujoco
@@ -46,7 +46,7 @@ class World:
     """
 
     def __init__(
-        self, action: Action, task: Task, grasp: GraspKind = "weld", grasp_force: float = FINGER_FORCE
+        self, action: Action, task: PhysicsTask, grasp: GraspKind = "weld", grasp_force: float = FINGER_FORCE
     ) -> None:
         import mujoco
 

@@ -16,7 +16,7 @@ from sbam.simulation.holding import GraspKind, check_grasp
 from sbam.simulation.plan_folder import read_plan_folder
 from sbam.simulation.report import simulation_report
 from sbam.simulation.simulate import Progress, comparable, simulate
-from sbam.simulation.tasks import find_task
+from sbam.tasks.registry import find_task
 
 MOST_DEMONSTRATIONS = 3
 

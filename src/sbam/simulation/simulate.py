@@ -10,12 +10,14 @@ import numpy as np
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.planning.plan import Plan
 from sbam.scene import ObjectLibrary
-from sbam.simulation.action import Action, action_of_demonstration, action_of_plan
+from sbam.simulation.action import action_of_demonstration, action_of_plan
 from sbam.simulation.arms import FINGER_FORCE
 from sbam.simulation.holding import GraspKind
-from sbam.simulation.record import Record
 from sbam.simulation.run import World
-from sbam.simulation.tasks import Task, Values, find_task
+from sbam.tasks.action import Action
+from sbam.tasks.physics_task import PhysicsTask, Values
+from sbam.tasks.record import Record
+from sbam.tasks.registry import find_task
 
 LARGEST_TRACKING_ERROR = 0.1  # rad or m: beyond it the arms do something else than was planned
 LARGEST_SLIP = 0.02  # m: beyond it a held object is torn out of the hand, or slips too far in it
@@ -63,7 +65,7 @@ class SimulationResult:
 
 def simulate(
     plan: Plan | Action,
-    task: Task | str | None = None,
+    task: PhysicsTask | str | None = None,
     demonstrations: Iterable[Demonstration] = (),
     yardstick: Values | None = None,
     library: ObjectLibrary | None = None,
@@ -78,7 +80,7 @@ def simulate(
 
     Args:
         plan: a plan, or an action made of one.
-        task: how to judge it, see `sbam.simulation.tasks.find_task`.
+        task: how to judge it, see `sbam.tasks.registry.find_task`.
         demonstrations: what success is measured against: replayed alone, see `yardstick_of`.
         yardstick: what success is measured against, if it is known already.
         library: object models of the demonstrations.
@@ -113,7 +115,7 @@ def simulate(
 
 
 def replay(
-    demonstration: Demonstration, task: Task | str | None = None, library: ObjectLibrary | None = None
+    demonstration: Demonstration, task: PhysicsTask | str | None = None, library: ObjectLibrary | None = None
 ) -> SimulationResult:
     """Lead the objects of a demonstration along their recorded poses in the same physics.
 
@@ -126,7 +128,7 @@ def replay(
 
 def yardstick_of(
     demonstrations: Iterable[Demonstration],
-    task: Task,
+    task: PhysicsTask,
     action: Action | None = None,
     library: ObjectLibrary | None = None,
 ) -> Values:

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Callable, Sequence
-from functools import cache
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from sbam.batch.fingerprint import code_fingerprint, fingerprint, robot_fingerprint
+from sbam.batch.kept_results import KeptResults, Key
+from sbam.batch.resumable import Progress, resumed
 from sbam.demonstrations.synthetic import BUILT_IN_TASKS
 from sbam.errors import UnknownNameError
-from sbam.evaluation.fingerprint import code_fingerprint
-from sbam.evaluation.parallel import executor
 from sbam.files import write_atomically
 from sbam.learning.model import Mode
 from sbam.robots import load_robot
 from sbam.simulation.simulate import yardstick_of
 from sbam.simulation.sweep_report import write_failures, write_maps, write_sweep_tables
-from sbam.simulation.tasks import TASKS, Values
 from sbam.simulation.trial import Case, Row, demonstrations_of, run_case
+from sbam.tasks.physics_task import Values
+from sbam.tasks.registry import TASKS
 
 COMPARED = {"pouring": slice(0, 9, 3), "rolling": slice(0, 8, 3)}
 """Demonstrations that a task's success is measured against: juice into the large cup, one of each layout; rolling."""
@@ -37,7 +36,7 @@ def sweep(
     jobs: int = -1,
     cluster: str | None = None,
     any_version: bool = False,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Plan random scenes and try every plan in physics.
 
@@ -63,14 +62,11 @@ def sweep(
         FileFormatError: if a robot's description cannot be used.
         ClusterError: if the cluster does not answer.
     """
-    import joblib
-
     folder = Path(folder)
     for task in tasks:
         if task not in BUILT_IN_TASKS:
             raise UnknownNameError("task", task, BUILT_IN_TASKS, "sweeps")
-    for robot in robots:
-        load_robot(robot)
+    robot_keys = {robot: robot_fingerprint(load_robot(robot)) for robot in robots}
     counts = {
         mode: scenes if mode == "default" or paper_scenes is None else min(scenes, paper_scenes) for mode in modes
     }
@@ -82,20 +78,23 @@ def sweep(
         for robot in robots
         for constraint in constraints
     ]
-    rows = {case: row for case in cases if (row := _kept(folder, case, any_version)) is not None}
-    left = [case for case in cases if case not in rows]
-    yardsticks = {task: _yardstick(folder, task) for task in {case.task for case in left}}
-    report = progress or (lambda done, total: None)
-    report(len(rows), len(cases))
+    version = code_fingerprint("simulation")
+    keys = [Key(case.name, fingerprint(version, robot_keys[case.robot])) for case in cases]
+    kept = KeptResults(folder / TRIALS, dict[str, Any], any_version)
+
+    def piece(index: int) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        return run_case, (cases[index], _yardstick(folder, cases[index].task))
+
+    def receive(index: int, returned: tuple[Row, bytes | None]) -> dict[str, Any]:
+        row, picture = returned
+        return {**row, **_write_picture(folder, cases[index], picture), "version": version[:16]}
+
+    rows: Mapping[int, Row] = {}
     try:
-        with executor(jobs, cluster) as parallel:
-            trials = (joblib.delayed(_tried)(case, yardsticks[case.task]) for case in left)
-            for case, row, picture in parallel(trials):
-                rows[case] = _keep(folder, case, row, picture)
-                write_sweep_tables(_ordered(rows, cases), folder)
-                report(len(rows), len(cases))
+        for rows in resumed(keys, piece, kept, jobs, cluster, progress, receive):
+            write_sweep_tables(_ordered(rows), folder)
     finally:  # also when it is interrupted
-        ordered = _ordered(rows, cases)
+        ordered = _ordered(rows)
         tables, files = write_sweep_tables(ordered, folder)
         files += [*write_maps(ordered, folder), write_failures(ordered, folder)]
     return {
@@ -108,53 +107,25 @@ def sweep(
     }
 
 
-def _tried(case: Case, yardstick: Values) -> tuple[Case, Row, bytes | None]:
-    return case, *run_case(case, yardstick)
+def _ordered(rows: Mapping[int, Row]) -> list[Row]:
+    return [rows[index] for index in sorted(rows)]
 
 
-def _ordered(rows: dict[Case, Row], cases: Sequence[Case]) -> list[Row]:
-    return [rows[case] for case in cases if case in rows]
-
-
-@cache
-def _version() -> str:
-    """What the results depend on."""
-    own = sorted(Path(__file__).parent.rglob("*.py"))
-    digest = hashlib.sha256(code_fingerprint().encode())
-    for file in own:
-        digest.update(file.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def _kept(folder: Path, case: Case, any_version: bool = False) -> Row | None:
-    return _read(folder / TRIALS / f"{case.name}.json", any_version)
-
-
-def _keep(folder: Path, case: Case, row: Row, picture: bytes | None) -> Row:
-    """Keep a finished trial and the picture of its failure; an earlier trial's picture goes."""
+def _write_picture(folder: Path, case: Case, picture: bytes | None) -> Row:
+    """Write the picture of a failure and say where it is; an earlier trial's picture goes."""
     path = folder / FAILURES / f"{case.name}.png"
     path.unlink(missing_ok=True)
-    if picture:
-        write_atomically(path, picture)
-        row = {**row, "picture": f"{FAILURES}/{path.name}"}
-    row = {**row, "version": _version()}
-    write_atomically(folder / TRIALS / f"{case.name}.json", json.dumps({"version": _version(), "content": row}))
-    return row
+    if not picture:
+        return {}
+    write_atomically(path, picture)
+    return {"picture": f"{FAILURES}/{path.name}"}
 
 
 def _yardstick(folder: Path, task: str) -> Values:
-    path = folder / TRIALS / f"yardstick_{task}.json"
-    kept = _read(path)
-    if kept is None:
-        kept = yardstick_of(demonstrations_of(task)[COMPARED[task]], TASKS[task])
-        write_atomically(path, json.dumps({"version": _version(), "content": kept}))
-    return kept
-
-
-def _read(path: Path, any_version: bool = False) -> Row | None:
-    """What was kept, if this version of the code made it."""
-    try:
-        kept = json.loads(path.read_bytes())
-        return kept["content"] if any_version or kept["version"] == _version() else None
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+    kept = KeptResults(folder / TRIALS, dict[str, Any])
+    key = Key(f"yardstick_{task}", code_fingerprint("simulation"))
+    found = kept.find(key)
+    if found is None:
+        found = dict(yardstick_of(demonstrations_of(task)[COMPARED[task]], TASKS[task]))
+        kept.keep(key, found)
+    return found

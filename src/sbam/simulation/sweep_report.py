@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sbam.evaluation.evaluate import write_tables
-from sbam.evaluation.table import Cell, Table
+from sbam.batch.table import Cell, Table, write_tables
 from sbam.files import write_atomically
 from sbam.simulation.trial import Row
 

@@ -14,7 +14,6 @@ from typing import Any
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.synthetic import BUILT_IN_TASKS, built_in_demonstrations
 from sbam.errors import RenderingError, SbamError
-from sbam.evaluation import random_pouring_scene, random_rolling_scene
 from sbam.learning.learn import learn
 from sbam.learning.model import ActionModel, Mode
 from sbam.plain import plain
@@ -22,7 +21,10 @@ from sbam.planning.plan import Plan, plan
 from sbam.planning.settings import PlanSettings
 from sbam.scene import Scene
 from sbam.simulation.simulate import SimulationResult, simulate
-from sbam.simulation.tasks import TASKS, Values
+from sbam.tasks.physics_task import Values
+from sbam.tasks.pouring.scenes import random_pouring_scene
+from sbam.tasks.registry import TASKS
+from sbam.tasks.rolling.scenes import random_rolling_scene
 
 Row = Mapping[str, Any]
 SCENES: Mapping[str, Callable[[int], Scene]] = {"pouring": random_pouring_scene, "rolling": random_rolling_scene}

@@ -9,7 +9,7 @@ import numpy as np
 from sbam.robots.composition import OBJECT_PREFIX, pose_arrays
 from sbam.robots.robot import Robot
 from sbam.scene import ObjectModel
-from sbam.simulation.materials import (
+from sbam.tasks.materials import (
     FOOT,
     LEFT,
     OBJECT,
@@ -20,7 +20,7 @@ from sbam.simulation.materials import (
     SHELL,
     SUPPORT,
 )
-from sbam.simulation.vessel import add_shell
+from sbam.tasks.vessel import add_shell
 
 if TYPE_CHECKING:
     import mujoco

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from sbam.evaluation import random_pouring_scene
 from sbam.planning.motion.allowed_contacts import collision_model
 from sbam.planning.motion.avoidance import clearance_term
 from sbam.planning.motion.carrying import hold_objects
@@ -13,6 +12,7 @@ from sbam.planning.motion.motion import Motion, with_approaches
 from sbam.planning.plan import Plan, plan
 from sbam.planning.settings import PlanSettings
 from sbam.planning.start import in_agent_frame
+from sbam.tasks import random_pouring_scene
 
 
 def carried(plan: Plan, motion: Motion, step: np.ndarray) -> Motion:

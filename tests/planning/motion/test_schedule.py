@@ -5,13 +5,13 @@ import pytest
 
 from sbam.demonstrations.scenes import scene_from_demonstration
 from sbam.demonstrations.synthetic import built_in_demonstrations
-from sbam.evaluation import measure_pouring, measure_put_down
 from sbam.learning.learn import learn
 from sbam.planning.motion.allowed_contacts import collision_model, touching_hands
 from sbam.planning.motion.carrying import Holding, hold_objects
 from sbam.planning.motion.motion import Motion, with_approaches
 from sbam.planning.plan import Plan, plan
 from sbam.planning.start import in_agent_frame
+from sbam.tasks import measure_pouring, measure_put_down
 
 
 @pytest.fixture(scope="module")

@@ -7,13 +7,13 @@ import pytest
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.scenes import starting_scene
-from sbam.evaluation import random_pouring_scene
 from sbam.planning.bind import bind
 from sbam.planning.placement.report import base_option, base_report, sentences
 from sbam.planning.placement.room import has_room, stay_on_their_supports
 from sbam.planning.placement.search import BaseMap, reach_where_it_stands, search_base, shifted
 from sbam.planning.plan import plan
 from sbam.robots import load_robot
+from sbam.tasks import random_pouring_scene
 
 GRID = {"right": np.array([0.0]), "forward": np.array([-0.2, 0.0, 0.2, 0.35]), "turn": np.array([0.0])}
 

@@ -14,8 +14,11 @@ from scipy.spatial.transform import RigidTransform
 
 from sbam.robots import Robot
 
-ROOMS = ("constraints", "demonstrations", "evaluation", "learning", "planning", "robots", "scene")
-"""Packages whose code and data the numbers depend on."""
+SHARED = (
+    *("errors", "extensions", "files", "plain", "schema"),
+    *("batch", "constraints", "demonstrations", "learning", "planning", "robots", "scene", "tasks"),
+)
+"""Packages and modules whose code and data all long work depends on, beside its own package."""
 
 
 def fingerprint(*values: Any) -> str:
@@ -31,11 +34,16 @@ def fingerprint(*values: Any) -> str:
 
 
 @cache
-def code_fingerprint() -> str:
-    """Fingerprint of the code and the data files that results depend on."""
+def code_fingerprint(package: str) -> str:
+    """Fingerprint of the code and the data files that results depend on.
+
+    Args:
+        package: name of the package below ``sbam`` that makes them, such as ``evaluation``; `SHARED` counts always.
+    """
     root = Path(__file__).parents[1]
-    files = sorted(path for room in ROOMS for path in (root / room).rglob("*") if path.is_file())
-    return fingerprint([(str(p.relative_to(root)), p.read_bytes()) for p in files if p.suffix != ".pyc"])
+    paths = [path for name in (*SHARED, package) for path in (root / f"{name}.py", *(root / name).rglob("*"))]
+    files = sorted(path for path in paths if path.is_file() and path.suffix != ".pyc")
+    return fingerprint([(str(path.relative_to(root)), path.read_bytes()) for path in files])
 
 
 def robot_fingerprint(robot: Robot) -> str:

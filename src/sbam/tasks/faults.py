@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.evaluation.executed_motion import ObjectMotion
-from sbam.evaluation.task_geometry import POUR_TILT, region_path
 from sbam.planning.motion.object_path import acting_point
+from sbam.tasks.object_motion import ObjectMotion
+from sbam.tasks.pouring.geometry import mouth_of_motion, rim_radius
 
 Array = NDArray[np.float64]
 
@@ -44,12 +44,9 @@ def measure_faults(
         before.append(float(speed[when < begin].max(initial=0.0)))
     values = {"largest speed at the end [mm/s]": 1e3 * max(at_end), "largest speed before [mm/s]": 1e3 * max(before)}
     if {pour_from, pour_into} <= set(task.binding):
-        bottle, cup = (task.scene.objects[task.binding[role]] for role in (pour_from, pour_into))
-        upright = motion.T_agent_object[task.binding[pour_from]].rotation.apply(bottle.up)[:, 2]
-        offset = region_path(motion, pour_from, "pour from") - region_path(motion, pour_into, "pour into")
-        beside = np.hypot(offset[:, 0], offset[:, 1]) > cup.region("pour into").half_axes.min()
-        wrong = (upright < np.cos(POUR_TILT)) & beside
-        values["tilted beside the cup for [s]"] = float((np.gradient(clock) * wrong).sum())
+        mouth = mouth_of_motion(motion, pour_from, pour_into)
+        beside = mouth.aside > rim_radius(task.scene.objects[task.binding[pour_into]])
+        values["tilted beside the cup for [s]"] = float((np.gradient(clock) * (mouth.may_flow & beside)).sum())
     return values
 
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.simulation.action import Action
-from sbam.simulation.record import Record
+from sbam.tasks.action import Action
+from sbam.tasks.record import Record
 
 if TYPE_CHECKING:
     import mujoco
@@ -19,8 +19,8 @@ Values = Mapping[str, Any]
 """Name with unit -> number, or lists of plain data for the report."""
 
 
-class Task(ABC):
-    """Base of all tasks: a task of your own needs only `measure` and `judge`.
+class PhysicsTask(ABC):
+    """Base of all tasks as physics tries them: a task of your own needs only `measure` and `judge`.
 
     Attributes:
         name: what it is called on the command line.

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from sbam.simulation import TASKS, simulate
+from sbam.simulation import simulate
+from sbam.tasks import TASKS
 
 
 @pytest.fixture(scope="module")

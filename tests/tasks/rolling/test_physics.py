@@ -5,9 +5,10 @@ import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.scene import ObjectLibrary, Scene, upright_rotation
-from sbam.simulation import TASKS, simulate
-from sbam.simulation.action import Action
-from sbam.simulation.dough import THICKNESS, lay_dough
+from sbam.simulation import simulate
+from sbam.tasks import TASKS
+from sbam.tasks.action import Action
+from sbam.tasks.rolling.dough import THICKNESS, lay_dough
 
 LIBRARY = ObjectLibrary.built_in()
 RADIUS = 0.033

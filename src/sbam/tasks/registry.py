@@ -1,4 +1,4 @@
-"""Success measures, one task a file."""
+"""Tasks by name, built-in or registered by other distributions, and from files."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from sbam.errors import FileFormatError, SimulationError, UnknownNameError
-from sbam.simulation.action import Action
-from sbam.simulation.tasks.base import Task, Values
-from sbam.simulation.tasks.pouring import Pouring
-from sbam.simulation.tasks.rolling import Rolling
+from sbam.extensions import registered
+from sbam.tasks.action import Action
+from sbam.tasks.physics_task import PhysicsTask
 
-TASKS: Mapping[str, Task] = {task.name: task for task in (Pouring(), Rolling())}
-"""Name -> task; a new one is a file and a line here, or a file of your own (`load_task`)."""
+GROUP = "sbam.tasks"
+"""Entry points of this group, in any installed distribution, are tasks: objects or classes that are `PhysicsTask`."""
+TASKS: Mapping[str, PhysicsTask] = registered(GROUP, PhysicsTask)
+"""Name -> task, the built-in ones and those that other distributions register; each is loaded when it is asked for."""
 
 
-def find_task(action: Action, wanted: Task | str | None = None) -> Task:
+def find_task(action: Action, wanted: PhysicsTask | str | None = None) -> PhysicsTask:
     """The task that an action is judged by.
 
     Args:
@@ -26,9 +27,10 @@ def find_task(action: Action, wanted: Task | str | None = None) -> Task:
     Raises:
         UnknownNameError: for an unknown name.
         FileFormatError: for a file without a task.
+        ExtensionError: if a task that a distribution registers cannot be loaded.
         SimulationError: if no task fits, or more than one.
     """
-    if isinstance(wanted, Task):
+    if isinstance(wanted, PhysicsTask):
         return wanted
     if wanted is not None:
         return load_task(wanted) if wanted.endswith(".py") else _known(wanted)
@@ -39,7 +41,7 @@ def find_task(action: Action, wanted: Task | str | None = None) -> Task:
     return fitting[0]
 
 
-def load_task(path: str | Path) -> Task:
+def load_task(path: str | Path) -> PhysicsTask:
     """A task of your own, from a Python file that defines ``TASK``; the file is executed.
 
     Raises:
@@ -55,15 +57,12 @@ def load_task(path: str | Path) -> Task:
     except TypeError as error:  # also that of a task that leaves out `measure` or `judge`
         raise FileFormatError(path, "", f"fails: {error}", "a task with `measure` and `judge`") from error
     task = getattr(module, "TASK", None)
-    if not isinstance(task, Task):
-        raise FileFormatError(path, "TASK", f"is {type(task).__name__}", "a sbam.simulation.tasks.Task")
+    if not isinstance(task, PhysicsTask):
+        raise FileFormatError(path, "TASK", f"is {type(task).__name__}", "a sbam.tasks.PhysicsTask")
     return task
 
 
-def _known(name: str) -> Task:
+def _known(name: str) -> PhysicsTask:
     if name not in TASKS:
         raise UnknownNameError("task", name, TASKS, "the simulation; or give a .py file that defines TASK")
     return TASKS[name]
-
-
-__all__ = ["TASKS", "Task", "Values", "find_task", "load_task"]

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.evaluation.executed_motion import executed_plan
-from sbam.evaluation.faults import measure_faults
+from sbam.tasks.faults import measure_faults
 
 END, BEFORE, BESIDE = "largest speed at the end [mm/s]", "largest speed before [mm/s]", "tilted beside the cup for [s]"
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from sbam.scene import ObjectModel, VesselProfile, upright_rotation
-from sbam.simulation.materials import PARTICLE, SHELL, add_sphere, physics_options
+from sbam.tasks.materials import PARTICLE, SHELL, add_sphere, physics_options
 
 if TYPE_CHECKING:
     import mujoco

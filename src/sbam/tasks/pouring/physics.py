@@ -8,11 +8,12 @@ import numpy as np
 
 from sbam.errors import SimulationError
 from sbam.scene import ObjectModel, support_height
-from sbam.simulation.action import Action
-from sbam.simulation.materials import PARTICLE, add_sphere
-from sbam.simulation.record import Record
-from sbam.simulation.tasks.base import Task, Values
-from sbam.simulation.vessel import SPHERE_RADIUS, inside, settled_spheres, sphere_count
+from sbam.tasks.action import Action
+from sbam.tasks.materials import PARTICLE, add_sphere
+from sbam.tasks.physics_task import PhysicsTask, Values
+from sbam.tasks.pouring.geometry import mouth_path
+from sbam.tasks.record import Record
+from sbam.tasks.vessel import SPHERE_RADIUS, inside, settled_spheres, sphere_count
 
 if TYPE_CHECKING:
     import mujoco
@@ -20,10 +21,9 @@ if TYPE_CHECKING:
 POURED = 0.90  # of what the demonstrations pour
 SPILLED = 0.02  # of the content, more than the demonstrations spill
 POURED_ALONE = 0.5  # of the content, where there is no demonstration to compare with
-POUR_TILT = 60.0  # deg: beyond it something may flow
 
 
-class Pouring(Task):
+class Pouring(PhysicsTask):
     """The vessel with ``pour from`` is filled with spheres; they shall end in the one with ``pour into``."""
 
     name = "pouring"
@@ -56,12 +56,9 @@ class Pouring(Task):
         )
         caught = in_cup[-1] & ~in_bottle[-1]
         lost = ~in_bottle[-1] & ~caught
-        tilt = np.rad2deg(np.arccos(np.clip(T_world_bottle.rotation.apply(vessel.up)[:, 2], -1.0, 1.0)))
-        offset = T_world_bottle.apply(vessel.region("pour from").center) - T_world_cup.apply(
-            cup.region("pour into").center
-        )
-        aside, above = 1e3 * np.hypot(offset[:, 0], offset[:, 1]), 1e3 * offset[:, 2]
-        tilted = tilt > POUR_TILT
+        mouth = mouth_path(vessel, T_world_bottle, T_world_cup.apply(cup.region("pour into").center))
+        tilt, aside, above = np.rad2deg(mouth.tilt), 1e3 * mouth.aside, 1e3 * mouth.above
+        tilted = mouth.may_flow
         poured = 1.0 - in_bottle.mean(axis=1)
         flowing = np.flatnonzero(np.diff(poured) > 0)
         values = {

@@ -11,8 +11,8 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import SimulationError
 from sbam.scene import ObjectModel, support_height
-from sbam.simulation.action import Action
-from sbam.simulation.materials import DOUGH
+from sbam.tasks.action import Action
+from sbam.tasks.materials import DOUGH
 
 if TYPE_CHECKING:
     import mujoco

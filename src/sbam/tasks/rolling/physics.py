@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.evaluation.task_geometry import turning_points
 from sbam.robots.composition import OBJECT_PREFIX
-from sbam.simulation.action import Action
-from sbam.simulation.dough import THICKNESS, add_dough, lay_dough
-from sbam.simulation.record import Record
-from sbam.simulation.tasks.base import Task, Values
+from sbam.tasks.action import Action
+from sbam.tasks.physics_task import PhysicsTask, Values
+from sbam.tasks.record import Record
+from sbam.tasks.rolling.dough import THICKNESS, add_dough, lay_dough
+from sbam.tasks.rolling.geometry import turning_points
 
 if TYPE_CHECKING:
     import mujoco
@@ -27,7 +27,7 @@ FINE = 0.002  # s between the poses whose lowest counts: a pin at 0.5 m/s moves 
 PRESSING = 1.0  # N: beyond it the pin counts as pressing
 
 
-class Rolling(Task):
+class Rolling(PhysicsTask):
     """A pin with ``handle left`` and ``handle right`` rolls over dough that lies where it shall roll."""
 
     name = "rolling"

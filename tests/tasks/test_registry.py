@@ -1,3 +1,7 @@
+import os
+import subprocess
+import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,8 +11,9 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import FileFormatError, SimulationError, UnknownNameError
 from sbam.scene import AffordanceRegion, ObjectLibrary, ObjectModel, Primitive, Scene, upright_rotation
-from sbam.simulation import TASKS, find_task, load_task, simulate
-from sbam.simulation.action import Action
+from sbam.simulation import simulate
+from sbam.tasks import TASKS, find_task, load_task
+from sbam.tasks.action import Action
 
 STIRRING = Path(__file__).parents[2] / "examples" / "tasks" / "stirring.py"
 UP = np.array([0.0, 0.0, 1.0])
@@ -70,11 +75,71 @@ def test_a_file_without_a_task_is_refused(tmp_path: Path) -> None:
     with pytest.raises(FileFormatError, match="TASK"):
         load_task(tmp_path / "empty.py")
     (tmp_path / "half.py").write_text(
-        "from sbam.simulation.tasks import Task\n"
-        "class Half(Task):\n    def judge(self, values, yardstick):\n        return []\n"
+        "from sbam.tasks import PhysicsTask\n"
+        "class Half(PhysicsTask):\n    def judge(self, values, yardstick):\n        return []\n"
         "TASK = Half()\n"
     )
     with pytest.raises(FileFormatError, match=r"half.py.*abstract.*measure"):
         load_task(tmp_path / "half.py")
     with pytest.raises(FileFormatError, match="not a Python file"):
         load_task(tmp_path / "absent.py")
+
+
+STANDING = """
+from sbam.tasks import PhysicsTask
+
+class Standing(PhysicsTask):
+    name = "standing"
+    affordances = ("pour into",)
+
+    def measure(self, action, record):
+        pose = record.T_world_object[action.object_with("pour into")]
+        return {"leaning [share]": float(1.0 - pose[-1].rotation.as_matrix()[2, 1])}
+
+    def judge(self, values, yardstick):
+        return ["the cup has fallen over"] if values["leaning [share]"] > 0.1 else []
+"""
+
+
+@pytest.fixture
+def installed(distribution) -> Callable[..., str]:
+    """``installed(source, *arguments)``: what Python says beside a distribution that registers a task ``standing``."""
+
+    def run(source: str, *arguments: str) -> str:
+        folder = distribution("own-tasks", source, {"sbam.tasks": {"standing": "Standing"}})
+        path = os.pathsep.join(filter(None, [str(folder), os.environ.get("PYTHONPATH")]))
+        environment = {**os.environ, "PYTHONPATH": path}
+        command = [sys.executable, *arguments]
+        return subprocess.run(command, env=environment, check=True, capture_output=True, text=True, timeout=120).stdout
+
+    return run
+
+
+def test_a_task_of_another_distribution_is_tried_in_physics(installed) -> None:
+    code = "import sbam; r = sbam.replay(sbam.built_in_demonstrations('pouring')[0], 'standing'); print(r.task, r.ok)"
+    assert installed(STANDING, "-c", code).split() == ["standing", "True"]
+
+
+def test_the_help_names_all_tasks(installed) -> None:
+    said = installed("import nowhere_at_all", "-m", "sbam.cli", "simulate", "--help")
+    assert "(known: pouring, rolling, standing)" in " ".join(said.replace("│", " ").split())
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [("import nowhere_at_all", "ModuleNotFoundError"), (STANDING.replace("def judge", "def judged"), "abstract")],
+    ids=["import", "half a task"],
+)
+def test_a_registered_task_that_cannot_be_used_says_whose_it_is(installed, source: str, said: str) -> None:
+    code = """
+from sbam.errors import SbamError
+from sbam.tasks import TASKS
+assert TASKS["pouring"].name == "pouring"
+try:
+    TASKS["standing"]
+except SbamError as error:
+    print(error)
+"""
+    message = installed(source, "-c", code)
+    for part in ("own-tasks 1.0", "sbam.tasks", "'standing'", said):
+        assert part in message

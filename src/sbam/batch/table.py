@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+
+from sbam.files import write_atomically
 
 Cell = str | float | None
 
@@ -55,6 +59,21 @@ class Table:
 
     def _texts(self) -> list[tuple[str, ...]]:
         return [tuple(cell_text(cell) for cell in row) for row in self.rows]
+
+
+def write_tables(tables: Sequence[Table], folder: Path) -> list[Path]:
+    """Write tables as Markdown, CSV and LaTeX; returns the files.
+
+    Raises:
+        OutputError: if a file cannot be written.
+    """
+    files = []
+    for table in tables:
+        stem = table.name.replace(" ", "_").replace("/", "_")
+        for suffix, text in ((".md", table.markdown()), (".csv", table.csv()), (".tex", table.latex())):
+            files.append(folder / f"{stem}{suffix}")
+            write_atomically(files[-1], text)
+    return files
 
 
 def cell_text(cell: Cell) -> str:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sbam.evaluation import random_pouring_scene, random_rolling_scene
-from sbam.evaluation.random_scenes import DEMONSTRATED, DIFFERENT
+from sbam.tasks import random_pouring_scene, random_rolling_scene
+from sbam.tasks.pouring.scenes import DEMONSTRATED, DIFFERENT
 
 SEEDS = range(40)
 

@@ -1,0 +1,1 @@
+"""Pouring: from a vessel with ``pour from`` into one with ``pour into``."""

@@ -1,0 +1,1 @@
+"""Rolling: a pin with ``handle left`` and ``handle right`` goes over dough."""
