@@ -34,7 +34,8 @@ def as_demonstrated(model: sbam.ActionModel, demonstration: sbam.Demonstration) 
     person = person_motion(demonstration, model, library)
     poses = person.poses_at(person.aligned(clock))
     task = bind(model, sbam.scene_from_demonstration(demonstration))
-    return ExecutedMotion(task, poses, clock, clock, poses, 0.0, None, None, ())
+    paths = {moved.name: poses[moved.role] for moved in task.moved}
+    return ExecutedMotion(task, poses, clock, clock, paths, 0.0, None, None, ())
 
 
 def as_the_paper(model: sbam.ActionModel, scene: sbam.Scene, robot: str) -> ExecutedMotion:
@@ -48,7 +49,8 @@ def as_the_paper(model: sbam.ActionModel, scene: sbam.Scene, robot: str) -> Exec
     joints = np.stack([np.interp(clock, times, column) for column in solution.configurations.T], axis=-1)
     at_keypoints = problem.state(solution.configurations).object_poses()
     poses = problem.state(joints).object_poses()
-    return ExecutedMotion(ours.task, at_keypoints, clock, clock, poses, solution.objective, None, None, ())
+    paths = {moved.name: poses[moved.role] for moved in ours.task.moved}
+    return ExecutedMotion(ours.task, at_keypoints, clock, clock, paths, solution.objective, None, None, ())
 
 
 def row(found: list[list[float]]) -> str:
