@@ -42,7 +42,7 @@ def test_what_was_finished_before_an_interruption_is_kept(tmp_path: Path) -> Non
 def test_a_result_may_be_made_of_what_came_back(tmp_path: Path) -> None:
     kept = KeptResults(tmp_path, str)
     *_, results = resumed(
-        KEYS, lambda index: (square, (index,)), kept, 2, receive=lambda index, found: f"{index}: {found}"
+        KEYS, lambda index: (pow, (index, 2)), kept, 2, receive=lambda index, found: f"{index}: {found}"
     )
     assert results[3] == "3: 9" == kept.find(KEYS[3])
 
