@@ -127,6 +127,9 @@ def test_files_and_names_serve_wherever_what_they_hold_does(tmp_path: Path) -> N
     recording = tmp_path / "one.npz"
     sbam.write_demonstration(sbam.load("built-in:rolling")[0], recording)
     assert sbam.learn([recording]).demonstrations[0].name == "synthetic_rolling_0"
+    assert sbam.scene_from_demonstration(recording).objects.keys() == sbam.load_scene(recording).objects.keys()
+    with pytest.raises(DemonstrationError, match=r"several recordings, but one is needed.*synthetic_rolling_1"):
+        sbam.replay("built-in:rolling")
     assert len(sbam.add_demonstration(sbam.learn(recording), "built-in:synthetic_rolling_1").demonstrations) == 2
 
 

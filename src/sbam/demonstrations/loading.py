@@ -59,6 +59,19 @@ def as_demonstrations(
     return [one for part in parts for one in ([part] if isinstance(part, Demonstration) else load(part))]
 
 
+def as_demonstration(given: Demonstration | str | Path) -> Demonstration:
+    """A demonstration as it is, or the one that a path or a ``built-in:`` name stands for.
+
+    Raises:
+        DemonstrationError: if there are several.
+    """
+    found = as_demonstrations(given)
+    if len(found) > 1:
+        names = ", ".join(one.name for one in found)
+        raise DemonstrationError(str(given), "are several recordings, but one is needed", f"choose one of {names}")
+    return found[0]
+
+
 def _expanded(source: str | Path) -> list[str | Path]:
     """Files of a folder; anything else is itself, as text only if it is built in."""
     if str(source).startswith(BUILT_IN):

@@ -6,26 +6,27 @@ from pathlib import Path
 
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.events import objects_that_move
-from sbam.demonstrations.loading import BUILT_IN, load
+from sbam.demonstrations.loading import BUILT_IN, as_demonstration, load
 from sbam.errors import DemonstrationError, UnknownNameError
 from sbam.scene import ObjectLibrary, Scene, built_in_scene, built_in_scene_names, load_scene
 
 SCENE_SUFFIXES = (".yaml", ".yml")
 
 
-def scene_from_demonstration(demonstration: Demonstration, library: ObjectLibrary | None = None) -> Scene:
+def scene_from_demonstration(demonstration: Demonstration | str | Path, library: ObjectLibrary | None = None) -> Scene:
     """The scene at the first frame of a demonstration: the robot shall start where the person did.
 
     Objects that the library lacks are left out if they never move.
 
     Args:
-        demonstration: its agent frame becomes that of the scene.
+        demonstration: a demonstration, its file or ``built-in:NAME``; its agent frame becomes that of the scene.
         library: models of its objects; by default the built-in ones.
 
     Raises:
         UnknownNameError: if the library lacks an object that moves, or all of them; lists the known ones.
     """
     library = library or ObjectLibrary.built_in()
+    demonstration = as_demonstration(demonstration)
     known = [name for name in demonstration.objects if name in library]
     moving = objects_that_move(demonstration) if len(known) < len(demonstration.objects) else ()
     for name in demonstration.objects:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sbam.constraints import RegionPair, constraint_type
 from sbam.demonstrations.demonstration import Demonstration
-from sbam.demonstrations.loading import as_demonstrations
+from sbam.demonstrations.loading import as_demonstration, as_demonstrations
 from sbam.errors import DemonstrationError, SettingsError
 from sbam.learning.anchors import AnchorSet, align_events, warp
 from sbam.learning.binding import (
@@ -106,7 +106,7 @@ def add_demonstration(
         DemonstrationError: if it does not show the same roles.
     """
     library = ObjectLibrary.built_in() if library is None else library
-    (demonstration,) = as_demonstrations(demonstration)
+    demonstration = as_demonstration(demonstration)
     sketch = _sketch(demonstration, model.demonstrations, library, model.constraint, model.settings, model.changes)
     if _keeps_candidates(model.settings):
         return _build(model.name, model.constraint, model.settings, (*model.demonstrations, sketch))

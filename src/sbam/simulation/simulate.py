@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from sbam.demonstrations.demonstration import Demonstration
+from sbam.demonstrations.loading import as_demonstration, as_demonstrations
 from sbam.planning.plan import Plan
 from sbam.scene import ObjectLibrary
 from sbam.simulation.action import action_of_demonstration, action_of_plan
@@ -66,7 +68,7 @@ class SimulationResult:
 def simulate(
     plan: Plan | Action,
     task: PhysicsTask | str | None = None,
-    demonstrations: Iterable[Demonstration] = (),
+    demonstrations: Demonstration | str | Path | Iterable[Demonstration | str | Path] = (),
     yardstick: Values | None = None,
     library: ObjectLibrary | None = None,
     progress: Progress | None = None,
@@ -81,7 +83,8 @@ def simulate(
     Args:
         plan: a plan, or an action made of one.
         task: how to judge it, see `sbam.tasks.registry.find_task`.
-        demonstrations: what success is measured against: replayed alone, see `yardstick_of`.
+        demonstrations: what success is measured against: replayed alone, see `yardstick_of`; also files, folders and
+            ``built-in:`` names.
         yardstick: what success is measured against, if it is known already.
         library: object models of the demonstrations.
         progress: called with the simulated time and all of it, s.
@@ -94,7 +97,7 @@ def simulate(
     """
     action = action_of_plan(plan) if isinstance(plan, Plan) else plan
     chosen = find_task(action, task)
-    demonstrations = list(demonstrations)
+    demonstrations = as_demonstrations(demonstrations)
     if yardstick is None and demonstrations:
         yardstick = yardstick_of(demonstrations, chosen, action, library)
     world = World(action, chosen, grasp, grasp_force)
@@ -115,7 +118,9 @@ def simulate(
 
 
 def replay(
-    demonstration: Demonstration, task: PhysicsTask | str | None = None, library: ObjectLibrary | None = None
+    demonstration: Demonstration | str | Path,
+    task: PhysicsTask | str | None = None,
+    library: ObjectLibrary | None = None,
 ) -> SimulationResult:
     """Lead the objects of a demonstration along their recorded poses in the same physics.
 
@@ -123,7 +128,7 @@ def replay(
         SimulationError: if no task fits or the world cannot be built.
         UnknownNameError: if the library lacks an object.
     """
-    return simulate(action_of_demonstration(demonstration, library), task)
+    return simulate(action_of_demonstration(as_demonstration(demonstration), library), task)
 
 
 def yardstick_of(
