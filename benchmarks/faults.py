@@ -20,6 +20,7 @@ from sbam.evaluation.person import person_motion
 from sbam.planning.bind import bind
 from sbam.planning.keypoints.objective import build_problem
 from sbam.planning.keypoints.solvers.nelder_mead import solve_nelder_mead
+from sbam.planning.start import in_agent_frame
 from sbam.tasks import random_pouring_scene
 from sbam.tasks.faults import measure_faults
 
@@ -42,7 +43,7 @@ def as_the_paper(model: sbam.ActionModel, scene: sbam.Scene, robot: str) -> Exec
     """Solved as in the paper with the grasps of our plan, its joints interpolated linearly between keypoints."""
     ours = sbam.plan(model, scene, robot)
     grasps = {key: grasp.T_object_tcp for key, grasp in ours.grasps.items()}
-    problem = build_problem(ours.task, ours.robot, grasps, sbam.PlanSettings(solver="paper"))
+    problem = build_problem(ours.task, in_agent_frame(ours.robot), grasps, sbam.PlanSettings(solver="paper"))
     solution = solve_nelder_mead(problem, ours.solution.configurations[0])
     times = model.keypoint_times
     clock = np.linspace(0.0, model.duration, round(100 * model.duration) + 1)
