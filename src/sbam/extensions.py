@@ -15,6 +15,11 @@ from typing import Any
 from sbam.errors import ExtensionError
 
 BUILT_IN: Mapping[str, Mapping[str, str]] = {
+    "sbam.constraints": {
+        "cartesian": "sbam.constraints.cartesian:Cartesian",
+        "cylindrical": "sbam.constraints.cylindrical:Cylindrical",
+        "symbolic": "sbam.constraints.symbolic:Symbolic",
+    },
     "sbam.tasks": {
         "pouring": "sbam.tasks.pouring.physics:Pouring",
         "rolling": "sbam.tasks.rolling.physics:Rolling",

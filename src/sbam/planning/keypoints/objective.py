@@ -32,10 +32,6 @@ from sbam.robots.natural_joints import NaturalJoints as NaturalJointsPosture
 
 Array = NDArray[np.float64]
 
-# Mode `paper`: w'_o = c dt std, c in 1/(mm s) for lengths and 1/(log s) for log-densities. Larger values stop the pour.
-PAPER_DAMPING = {"cartesian": 1e-3, "cylindrical": 1e-3, "symbolic": 1e-4}
-
-
 DEFAULT_HUMAN_LIKENESS = 3.0  # lambda_h of robots whose arms are like a person's
 
 
@@ -127,11 +123,12 @@ def _similarities(
 
 
 def _damping(task: Task, times: Array, settings: PlanSettings) -> Damping:
-    """t_d: constant in mode ``default``; in mode ``paper`` proportional to the time step and the mean std."""
+    """t_d: constant in mode ``default``; in mode ``paper`` w'_o = c dt std, with the mean standard deviation."""
     roles = tuple(moved.role for moved in task.moved)
     start = np.array([moved.start.translation for moved in task.moved]).reshape(-1, 3)
     if task.model.mode == "default":
         return Damping(roles, np.full((len(times), len(roles)), settings.damping), start)
+    coefficient = constraint_type(task.model.constraint).paper_damping
     step = np.diff(times, prepend=times[0])
     weight = np.zeros((len(times), len(roles)))
     for i, role in enumerate(roles):
@@ -140,7 +137,7 @@ def _damping(task: Task, times: Array, settings: PlanSettings) -> Damping:
             if role in change.pair.roles:
                 scale = np.array([1000.0 if channel.unit == "m" else 1.0 for channel in change.channels])
                 stds.append((change.at(times)[1] * scale).mean(axis=1))
-        weight[:, i] = 1000.0 * PAPER_DAMPING[task.model.constraint] * step * np.mean(stds, axis=0)
+        weight[:, i] = 1000.0 * coefficient * step * np.mean(stds, axis=0)
     return Damping(roles, weight, start)
 
 
