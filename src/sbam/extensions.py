@@ -24,6 +24,15 @@ BUILT_IN: Mapping[str, Mapping[str, str]] = {
         "pouring": "sbam.tasks.pouring.physics:Pouring",
         "rolling": "sbam.tasks.rolling.physics:Rolling",
     },
+    "sbam.terms": {
+        "similarity": "sbam.planning.keypoints.terms.similarity:similarity_terms",
+        "damping": "sbam.planning.keypoints.terms.damping:damping_terms",
+        "human-likeness": "sbam.planning.keypoints.terms.human_likeness:human_likeness_terms",
+        "natural-joints": "sbam.planning.keypoints.terms.natural_joints:natural_joints_terms",
+        "resting": "sbam.planning.keypoints.terms.requirements:resting_terms",
+        "smoothness": "sbam.planning.keypoints.terms.smoothness:smoothness_terms",
+        "closure": "sbam.planning.keypoints.terms.requirements:closure_terms",
+    },
 }
 """Group -> name -> ``module:object``; a new object of the project's own is one line here."""
 
