@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from sbam.errors import ExtensionError, SbamError
-from sbam.extensions import names, registered
+from sbam.extensions import _installed, names, registered
 
 GROUP = "sbam.shapes"
 SOURCE = """
@@ -29,10 +29,12 @@ def install(distribution, monkeypatch) -> Iterator[Callable[..., Mapping[str, An
     def build(name: str, source: str, objects: Mapping[str, str]) -> Mapping[str, Any]:
         monkeypatch.delitem(sys.modules, name.replace("-", "_"), raising=False)
         monkeypatch.syspath_prepend(distribution(name, source, {GROUP: objects}))
+        _installed.cache_clear()
         registered.cache_clear()
         return registered(GROUP)
 
     yield build
+    _installed.cache_clear()
     registered.cache_clear()
 
 

@@ -9,15 +9,47 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import cache, cached_property
-from importlib.metadata import EntryPoint, entry_points
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sbam.errors import ExtensionError
 
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
 BUILT_IN: Mapping[str, Mapping[str, str]] = {
+    "sbam.constraints": {
+        "cartesian": "sbam.constraints.cartesian:Cartesian",
+        "cylindrical": "sbam.constraints.cylindrical:Cylindrical",
+        "symbolic": "sbam.constraints.symbolic:Symbolic",
+    },
+    "sbam.plan_writers": {
+        "npz": "sbam.export.npz:encode",
+        "csv": "sbam.export.csv:encode",
+        "ros": "sbam.export.ros:encode",
+    },
+    "sbam.readers": {
+        "mmm": "sbam.demonstrations.readers.mmm:FORMAT",
+        "mmm-legacy": "sbam.demonstrations.readers.mmm_legacy:FORMAT",
+        "csv": "sbam.demonstrations.readers.kit_csv:FORMAT",
+        "npz": "sbam.demonstrations.readers.npz:FORMAT",
+    },
     "sbam.tasks": {
         "pouring": "sbam.tasks.pouring.physics:Pouring",
         "rolling": "sbam.tasks.rolling.physics:Rolling",
+    },
+    "sbam.terms": {
+        "similarity": "sbam.planning.keypoints.terms.similarity:similarity_terms",
+        "damping": "sbam.planning.keypoints.terms.damping:damping_terms",
+        "human-likeness": "sbam.planning.keypoints.terms.human_likeness:human_likeness_terms",
+        "natural-joints": "sbam.planning.keypoints.terms.natural_joints:natural_joints_terms",
+        "resting": "sbam.planning.keypoints.terms.requirements:resting_terms",
+        "smoothness": "sbam.planning.keypoints.terms.smoothness:smoothness_terms",
+        "closure": "sbam.planning.keypoints.terms.requirements:closure_terms",
+    },
+    "sbam.writers": {
+        "mmm": "sbam.demonstrations.writers.mmm:WRITER",
+        "npz": "sbam.demonstrations.writers.npz:WRITER",
+        "csv": "sbam.demonstrations.writers.kit_csv:WRITER",
     },
 }
 """Group -> name -> ``module:object``; a new object of the project's own is one line here."""
@@ -53,9 +85,11 @@ class _Registered(Mapping[str, Any]):
     @cached_property
     def _points(self) -> Mapping[str, list[EntryPoint]]:
         """Name -> entry points; built-in ones belong to no distribution."""
+        from importlib.metadata import EntryPoint
+
         own = [EntryPoint(name, value, self._group) for name, value in BUILT_IN.get(self._group, {}).items()]
         points: dict[str, list[EntryPoint]] = {}
-        for point in (*own, *sorted(entry_points(group=self._group), key=lambda point: point.name)):
+        for point in (*own, *sorted(_installed().select(group=self._group), key=lambda point: point.name)):
             points.setdefault(point.name, []).append(point)
         return points
 
@@ -90,6 +124,14 @@ class _Registered(Mapping[str, Any]):
 
     def _error(self, point: EntryPoint, problem: str, remedy: str = "update or uninstall it") -> ExtensionError:
         return ExtensionError(_owner(point), self._group, point.name, point.value, problem, remedy)
+
+
+@cache
+def _installed() -> Any:
+    """Entry points of all installed distributions, which takes a while to find."""
+    from importlib.metadata import entry_points
+
+    return entry_points()
 
 
 def _owner(point: EntryPoint) -> str:

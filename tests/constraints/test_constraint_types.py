@@ -210,3 +210,30 @@ def test_weights():
 def test_unknown_type_names_the_known_ones():
     with pytest.raises(UnknownNameError, match=r"cartesian.*cylindrical.*symbolic"):
         constraint_type("polar")
+
+
+def test_the_spread_of_a_pair_counts_angles_as_arcs():
+    mean, std = np.array([[0.3, 2.0, 0.1], [0.3, -9.0, 0.1]]), np.array([[0.01, 0.1, 0.02], [0.0, 0.1, 0.0]])
+    expected = [np.linalg.norm([0.01, 0.03, 0.02]), 0.03]
+    np.testing.assert_allclose(CONSTRAINT_TYPES["cylindrical"].spread(std, mean), expected, rtol=1e-9)
+    np.testing.assert_allclose(CONSTRAINT_TYPES["cartesian"].spread(std, mean), np.linalg.norm(std, axis=1))
+
+
+def test_an_azimuth_without_a_radius_spreads_nothing():
+    mean, std = np.array([0.0, 1.0, 0.1]), np.array([0.0, 2.0, 0.01])
+    assert CONSTRAINT_TYPES["cylindrical"].spread(std, mean) == pytest.approx(0.01)
+
+
+def test_log_densities_have_a_spread_of_their_own():
+    symbolic = CONSTRAINT_TYPES["symbolic"]
+    assert (symbolic.spread_unit, symbolic.spread_floor) == ("log", symbolic.log_floor)
+    assert symbolic.spread(np.full(8, 0.5), np.zeros(8)) == pytest.approx(np.sqrt(2.0))
+
+
+@pytest.mark.parametrize(
+    ("names", "units", "said"),
+    [(("a",), ("deg",), "unknown unit 'deg'"), (("a", "b"), ("m",), "each of the channel_names")],
+)
+def test_units_that_nobody_knows_are_refused(names, units, said):
+    with pytest.raises(TypeError, match=said):
+        type("Odd", (ConstraintType,), {"channel_names": names, "channel_units": units})

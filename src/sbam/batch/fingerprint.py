@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import inspect
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
+from sbam.constraints import constraint_type
 from sbam.robots import Robot
 
 SHARED = (
@@ -44,6 +46,15 @@ def code_fingerprint(package: str) -> str:
     paths = [path for name in (*SHARED, package) for path in (root / f"{name}.py", *(root / name).rglob("*"))]
     files = sorted(path for path in paths if path.is_file() and path.suffix != ".pyc")
     return fingerprint([(str(path.relative_to(root)), path.read_bytes()) for path in files])
+
+
+def constraint_fingerprint(name: str) -> str:
+    """Fingerprint of the file that defines a constraint type, which may be another distribution's.
+
+    Raises:
+        UnknownNameError: if there is no such type.
+    """
+    return fingerprint(Path(inspect.getfile(type(constraint_type(name)))).read_bytes())
 
 
 def robot_fingerprint(robot: Robot) -> str:

@@ -21,7 +21,7 @@ class Demo(VerbOptions):
     """Learn the built-in pouring demonstrations, plan a new scene on two Pandas, write everything there is to see."""
 
     output: Annotated[Path, arg(aliases=["-o"], metavar="DIR", help="Folder for what is written.")] = Path("out/demo")
-    constraints: Annotated[Constraints, arg(help="How the vector between two regions is seen.")] = "cartesian"
+    constraints: Constraints = "cartesian"
 
     def __call__(self) -> Report:
         from sbam.console.progress import stages

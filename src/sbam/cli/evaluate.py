@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import Positional, arg
 
-from sbam.cli.options import Constraints, Mode, Objects, VerbOptions, library_of
+from sbam.cli.options import BUILT_IN_CONSTRAINTS, Mode, Objects, VerbOptions, library_of, some_of
 from sbam.console.running import Report, usage_error
 
 if TYPE_CHECKING:
@@ -49,10 +49,8 @@ class Evaluate(VerbOptions):
     robot: Annotated[
         str, arg(metavar="ROBOT", help="Name or file of a robot; flying_hands for none: quick, without its limits.")
     ] = "panda_dual"
-    constraints: Annotated[tuple[Constraints, ...], arg(help="Types to compare.")] = (
-        "cartesian",
-        "cylindrical",
-        "symbolic",
+    constraints: Annotated[tuple[str, ...], some_of("sbam.constraints", BUILT_IN_CONSTRAINTS, "Types to compare.")] = (
+        BUILT_IN_CONSTRAINTS
     )
     mode: Annotated[tuple[Mode, ...], arg(help="How to learn; of several the first is compared with.")] = ("default",)
     solver: Annotated[tuple[Mode, ...], arg(help="How to solve; the paper's takes a minute a fold.")] = ("default",)

@@ -21,7 +21,7 @@ class Learn(RecordingsOptions):
     """Learn a model from recordings of a person doing one task."""
 
     output: Annotated[Path, arg(aliases=["-o"], metavar="MODEL", help="Where to write the model.")]
-    constraints: Annotated[Constraints, arg(help="How the vector between two regions is seen.")] = "cartesian"
+    constraints: Constraints = "cartesian"
     mode: Annotated[Mode, arg(help="The best we know, or the paper's way with its faults.")] = "default"
     name: Annotated[str | None, arg(metavar="NAME", help="Name of the action; default: that of the file.")] = None
     objects: Objects = None

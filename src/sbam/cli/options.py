@@ -5,18 +5,49 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from tyro.conf import Positional, arg
 
 from sbam.console.running import usage_error
+from sbam.extensions import BUILT_IN, names
 
 if TYPE_CHECKING:
     from sbam.scene.object_library import ObjectLibrary
 
-Constraints = Literal["cartesian", "cylindrical", "symbolic"]
 Mode = Literal["default", "paper"]
-Format = Literal["npz", "csv", "ros"]
+BUILT_IN_CONSTRAINTS = tuple(BUILT_IN["sbam.constraints"])
+
+
+def one_of(group: str, default: str, about: str) -> Any:
+    """An option that takes one of a group's names; they are looked up when the verb is parsed, not before."""
+
+    def choices() -> Any:
+        return Literal[names(group)]
+
+    return arg(constructor_factory=choices, help=about, help_behavior_hint=f"(default: {default})")
+
+
+def some_of(group: str, default: Sequence[str], about: str) -> Any:
+    """An option that takes any number of a group's names, as `one_of`."""
+
+    def choices() -> Any:
+        return tuple[Literal[names(group)], ...]
+
+    return arg(constructor_factory=choices, help=about, help_behavior_hint=f"(default: {' '.join(default)})")
+
+
+def some_added_to(group: str, about: str) -> Any:
+    """An option that takes any number of the names that extensions add to a group; free text if there are none."""
+
+    def choices() -> Any:
+        added = names(group)[len(BUILT_IN[group]) :]
+        return tuple[Literal[added] if added else str, ...]
+
+    return arg(constructor_factory=choices, help=about, help_behavior_hint="")
+
+
+Constraints = Annotated[str, one_of("sbam.constraints", "cartesian", "How the vector between two regions is seen.")]
 Recordings = Annotated[
     tuple[str, ...],
     arg(

@@ -9,7 +9,19 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import Positional, arg
 
-from sbam.cli.options import Format, Mode, ModelFile, Objects, Roles, Scene, VerbOptions, library_of, number, pairs
+from sbam.cli.options import (
+    Mode,
+    ModelFile,
+    Objects,
+    Roles,
+    Scene,
+    VerbOptions,
+    library_of,
+    number,
+    pairs,
+    some_added_to,
+    some_of,
+)
 from sbam.console.running import Report, usage_error
 
 if TYPE_CHECKING:
@@ -53,7 +65,13 @@ class Plan(VerbOptions):
     ] = None
     speed: Annotated[float, arg(help="Share of the robot's velocity limits, above 0 to 1.")] = 0.5
     seed: Annotated[int, arg(help="Seed of the random starts.")] = 0
-    formats: Annotated[tuple[Format, ...], arg(help="Formats of the trajectory.")] = ("npz", "csv")
+    formats: Annotated[tuple[str, ...], some_of("sbam.plan_writers", ("npz", "csv"), "Formats of the trajectory.")] = (
+        "npz",
+        "csv",
+    )
+    terms: Annotated[
+        tuple[str, ...], some_added_to("sbam.terms", "Further terms of the objective, which extensions add.")
+    ] = ()
     plots: Annotated[bool, arg(help="Also draw figures: demonstrated, learned and executed; joints; paths.")] = False
     keep_failed: Annotated[bool, arg(help="Write the plan even if something is wrong with it.")] = False
     objects: Objects = None
@@ -82,6 +100,7 @@ class Plan(VerbOptions):
             clearance=self.clearance,
             margin=self.margin,
             prune=self.prune,
+            terms=self.terms,
             speed=self.speed,
             seed=self.seed,
         )

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import Positional, arg
 from tyro.extras import SubcommandApp
 
-from sbam.cli.options import Objects, RecordingsOptions, VerbOptions, library_of
+from sbam.cli.options import Objects, RecordingsOptions, VerbOptions, library_of, one_of
 from sbam.console.running import Report
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class RecordingsWrite(RecordingsOptions):
     """Write recordings into a folder, also in another format."""
 
     output: Annotated[Path, arg(aliases=["-o"], metavar="DIR", help="Folder for the files.")]
-    format: Annotated[Literal["mmm", "npz", "csv"], arg(help="MMM 2.0, our own NPZ, or KIT CSV.")] = "mmm"
+    format: Annotated[str, one_of("sbam.writers", "mmm", "MMM 2.0, our own NPZ, KIT CSV, or an extension's.")] = "mmm"
 
     def __call__(self) -> Report:
         import sbam

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import Positional, arg
 
-from sbam.cli.options import Constraints, Mode, Objects, VerbOptions, library_of
+from sbam.cli.options import BUILT_IN_CONSTRAINTS, Mode, Objects, VerbOptions, library_of, some_of
 from sbam.console.running import Report, usage_error
 
 if TYPE_CHECKING:
@@ -59,10 +59,8 @@ class Simulate(VerbOptions):
     robots: Annotated[tuple[str, ...], arg(metavar="ROBOT...", help="Robots of a sweep.", help_behavior_hint="")] = (
         "panda_dual",
     )
-    constraints: Annotated[tuple[Constraints, ...], arg(help="Types of a sweep.")] = (
-        "cartesian",
-        "cylindrical",
-        "symbolic",
+    constraints: Annotated[tuple[str, ...], some_of("sbam.constraints", BUILT_IN_CONSTRAINTS, "Types of a sweep.")] = (
+        BUILT_IN_CONSTRAINTS
     )
     modes: Annotated[tuple[Mode, ...], arg(help="How to learn and plan in a sweep.")] = ("default",)
     paper_scenes: Annotated[

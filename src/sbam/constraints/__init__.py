@@ -1,26 +1,36 @@
 """Constraints: how the vector between two affordance regions is seen."""
 
+from collections.abc import Mapping
+
 from sbam.constraints.base import ConstraintType
 from sbam.constraints.cartesian import Cartesian
 from sbam.constraints.cylindrical import Cylindrical
 from sbam.constraints.region_pair import RegionPair, RegionReference
 from sbam.constraints.symbolic import SPATIAL_RELATIONS, SpatialRelation, Symbolic
 from sbam.errors import UnknownNameError
+from sbam.extensions import registered
 
-CONSTRAINT_TYPES: dict[str, ConstraintType] = {
-    constraint.name: constraint for constraint in (Cartesian(), Cylindrical(), Symbolic())
-}
-"""The constraint types by name, in mode ``default``; a new type is one file and one entry here."""
+CONSTRAINT_TYPES: Mapping[str, ConstraintType] = registered("sbam.constraints", ConstraintType)
+"""The constraint types by name, in mode ``default``, those that other distributions register included."""
+
+CARTESIAN = Cartesian.name
+"""The type whose channels are the vector itself, which some pairs have in models of every type."""
 
 
 def constraint_type(name: str) -> ConstraintType:
-    """The constraint type with that name; raises `UnknownNameError` that lists the known ones."""
+    """The constraint type with that name.
+
+    Raises:
+        UnknownNameError: if there is none; lists the known ones.
+        ExtensionError: if another distribution registers it and it cannot be used.
+    """
     if name not in CONSTRAINT_TYPES:
         raise UnknownNameError("constraint type", name, CONSTRAINT_TYPES)
     return CONSTRAINT_TYPES[name]
 
 
 __all__ = [
+    "CARTESIAN",
     "CONSTRAINT_TYPES",
     "SPATIAL_RELATIONS",
     "Cartesian",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,21 +13,32 @@ Array = NDArray[np.float64]
 
 MILLIMETRES_PER_METRE = 1000.0
 
+Unit = Literal["m", "rad", "log", "1"]
+"""Units of channels: lengths, angles (that wrap), natural logarithms, and other numbers without a dimension."""
+
 
 @dataclass(frozen=True)
 class ConstraintType(ABC):
-    """Channels of a vector ``d`` (m, agent frame), their derivatives, and a weighted distance from a target.
+    r"""Channels of a vector :math:`d` (m, agent frame), their derivatives, and a weighted distance from a target.
 
-    The similarity of the paper (section III-D) is ``s = |residual|^2``. All methods work over any leading axes.
+    The similarity of the paper (section III-D) is the squared norm of a residual. All methods work over any leading
+    axes.
 
-    Two kinds of weights:
+    .. math:: s(d) = \left\lVert r(d, c^*, w) \right\rVert^2
 
-    - ``paper``: ``1 / (1 + std)`` with std in mm, rad or log units; the residual is in mm (symbolic: log units). The
-      factor from metres to millimetres is part of the weights of length channels.
-    - ``default``: ``1 / sqrt(std^2 + floor^2)``; the residual is dimensionless, so that types can be mixed.
+    Two kinds of weights :math:`w_c` of a channel with standard deviation :math:`\sigma_c`:
+
+    - ``paper``: :math:`1 / (1 + \sigma_c)` with the standard deviation in mm, rad or log units; the residual is in mm
+      (symbolic: log units). The factor from metres to millimetres is part of the weights of length channels.
+    - ``default``: :math:`1 / \sqrt{\sigma_c^2 + \epsilon^2}` with a floor :math:`\epsilon`; the residual is
+      dimensionless, so that types can be mixed.
+
+    A type of one's own is a frozen dataclass that derives from this one, says its names and units, and is registered
+    in the group ``sbam.constraints``. What the rest of SBAM asks of a type is here: no other part knows a type by name
+    or what its channels mean.
 
     Attributes:
-        mode: which weights (and, for the cylindrical type, which similarity).
+        mode: which weights (and, for some types, which similarity).
         length_floor: floor of the standard deviation of lengths in mode ``default``, m.
         log_floor: floor of the standard deviation of log-densities in mode ``default``, log units.
     """
@@ -38,7 +49,25 @@ class ConstraintType(ABC):
 
     name: ClassVar[str]
     channel_names: ClassVar[tuple[str, ...]]
-    channel_units: ClassVar[tuple[str, ...]]
+    channel_units: ClassVar[tuple[Unit, ...]]
+    spread_unit: ClassVar[Unit] = "m"
+    """Unit of `spread`; spreads are compared among pairs that have the same."""
+    paper_damping: ClassVar[float] = 1e-3
+    """Mode ``paper``: t_d's weight per time step and mean standard deviation, 1/(mm s) or, of
+    logarithms, 1/s. Larger values stop the pour."""
+
+    def __init_subclass__(cls) -> None:
+        """Refuse units that nobody knows, before they are learned with."""
+        units: tuple[str, ...] = getattr(cls, "channel_units", ())
+        if unknown := set(units) - set(get_args(Unit)):
+            raise TypeError(f"{cls.__name__}: unknown unit {min(unknown)!r}; known: {', '.join(get_args(Unit))}")
+        if len(units) != len(getattr(cls, "channel_names", ())):
+            raise TypeError(f"{cls.__name__}: each of the channel_names needs one of the channel_units")
+
+    @property
+    def spread_floor(self) -> float:
+        """Least `spread` that is told from none, in `spread_unit`."""
+        return self.length_floor
 
     @property
     def circular(self) -> NDArray[np.bool_]:
@@ -82,6 +111,25 @@ class ConstraintType(ABC):
     @abstractmethod
     def weights(self, std: Array, target: Array) -> Array:
         """Weights (..., C) for standard deviations (..., C) at a target (..., C), both in the channels' units."""
+
+    def spread(self, std: Array, mean: Array) -> Array:
+        r"""One number for the standard deviations of all channels, by which pairs are compared.
+
+        .. math:: \sqrt{\sum_c \left(\sigma_c / \lVert \nabla c \rVert \right)^2}
+
+        with the channels' derivatives at the mean: how far the vector moves when a channel deviates, so that angles
+        count as arcs. For a type whose channels do not point along different directions it is to be overridden.
+
+        Args:
+            std: (..., C) standard deviations, in the channels' units.
+            mean: (..., C) mean channels.
+
+        Returns:
+            (...), in `spread_unit`: m.
+        """
+        slope = np.linalg.norm(self.jacobian(self.vector(mean)), axis=-1)
+        # A channel without a derivative there, such as an azimuth at radius 0, moves nothing.
+        return np.linalg.norm(np.divide(std, slope, out=np.zeros_like(slope), where=slope > 0.0), axis=-1)
 
     def _length_weight(self, std: Array) -> Array:
         """Weight of a length with standard deviation ``std``, m."""

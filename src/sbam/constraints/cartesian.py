@@ -7,16 +7,19 @@ from typing import ClassVar
 
 import numpy as np
 
-from sbam.constraints.base import Array, ConstraintType
+from sbam.constraints.base import Array, ConstraintType, Unit
 
 
 @dataclass(frozen=True)
 class Cartesian(ConstraintType):
-    """Channels x, y, z (m); similarity ``sum_c w_c^2 (c - c*)^2``."""
+    r"""Channels :math:`x, y, z` (m).
+
+    .. math:: s = \sum_{c \in \{x, y, z\}} w_c^2 (c - c^*)^2
+    """
 
     name: ClassVar[str] = "cartesian"
     channel_names: ClassVar[tuple[str, ...]] = ("x", "y", "z")
-    channel_units: ClassVar[tuple[str, ...]] = ("m", "m", "m")
+    channel_units: ClassVar[tuple[Unit, ...]] = ("m", "m", "m")
 
     def channels(self, d: Array) -> Array:
         """The vector itself."""

@@ -7,28 +7,36 @@ from typing import ClassVar
 
 import numpy as np
 
-from sbam.constraints.base import Array, ConstraintType, smooth_radius, wrap
+from sbam.constraints.base import Array, ConstraintType, Unit, smooth_radius, wrap
 
 
 @dataclass(frozen=True)
 class Cylindrical(ConstraintType):
-    """Channels rho (m), phi (rad), z (m).
+    r"""Channels :math:`\rho` (m), :math:`\varphi` (rad), :math:`z` (m).
 
     Similarity in mode ``paper``, the paper's formula with the wrapped difference, which makes it continuous and
-    independent of where the azimuth is measured from, with ``a = w_phi wrap(phi - phi*)``::
+    independent of where the azimuth is measured from, with
+    :math:`\alpha = w_\varphi \operatorname{wrap}(\varphi - \varphi^*)`:
 
-        s = w_rho^2 (rho^2 + rho*^2 - 2 rho rho* cos a) + w_z^2 (z - z*)^2
-          = |(w_rho (rho cos a - rho*), w_rho rho sin a, w_z (z - z*))|^2
+    .. math::
 
-    In mode ``default``, where the three weights are independent, with the azimuth's unit vectors u and u*::
+        s &= w_\rho^2 (\rho^2 + {\rho^*}^2 - 2 \rho \rho^* \cos\alpha) + w_z^2 (z - z^*)^2 \\
+          &= \left\lVert \left( w_\rho (\rho \cos\alpha - \rho^*),\;
+             w_\rho \rho \sin\alpha,\; w_z (z - z^*) \right) \right\rVert^2
 
-        s = w_rho^2 (rho - rho*)^2 + w_phi^2 (2 sin((phi - phi*) / 2))^2 + w_z^2 (z - z*)^2
-          = |(w_rho (rho - rho*), w_phi (u - u*), w_z (z - z*))|^2
+    In mode ``default``, where the three weights are independent, with the azimuth's unit vectors :math:`u` and
+    :math:`u^*`:
+
+    .. math::
+
+        s &= w_\rho^2 (\rho - \rho^*)^2 + w_\varphi^2 \left(2 \sin\tfrac{\varphi - \varphi^*}{2}\right)^2
+             + w_z^2 (z - z^*)^2 \\
+          &= \left\lVert \left( w_\rho (\rho - \rho^*),\; w_\varphi (u - u^*),\; w_z (z - z^*) \right) \right\rVert^2
     """
 
     name: ClassVar[str] = "cylindrical"
     channel_names: ClassVar[tuple[str, ...]] = ("rho", "phi", "z")
-    channel_units: ClassVar[tuple[str, ...]] = ("m", "rad", "m")
+    channel_units: ClassVar[tuple[Unit, ...]] = ("m", "rad", "m")
 
     def channels(self, d: Array) -> Array:
         """Radius, azimuth in [-pi, pi] and elevation."""

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.special import i0e
 
-from sbam.constraints.base import MILLIMETRES_PER_METRE, Array, ConstraintType, smooth_radius
+from sbam.constraints.base import MILLIMETRES_PER_METRE, Array, ConstraintType, Unit, smooth_radius
 
 
 @dataclass(frozen=True)
@@ -79,15 +79,24 @@ vertical vector, which standing objects have, would jump with every rounding."""
 
 @dataclass(frozen=True)
 class Symbolic(ConstraintType):
-    """Channels: the log-density of each spatial relation; similarity ``sum_c (w_c (log v_c - log v_c*))^2``.
+    r"""Channels: the log-density :math:`\log v_c` of each spatial relation.
 
-    Logarithms are taken analytically; nothing underflows. The azimuth's unit vector is ``(x, y) / sqrt(rho^2 + e^2)``
-    with e = `VERTICAL`: continuous where the azimuth is not.
+    .. math:: s = \sum_c \left( w_c (\log v_c - \log v_c^*) \right)^2
+
+    Logarithms are taken analytically; nothing underflows. The azimuth's unit vector is
+    :math:`(x, y) / \sqrt{\rho^2 + \epsilon^2}` with :math:`\epsilon` = `VERTICAL`: continuous where the azimuth is not.
     """
 
     name: ClassVar[str] = "symbolic"
     channel_names: ClassVar[tuple[str, ...]] = tuple(relation.name for relation in SPATIAL_RELATIONS)
-    channel_units: ClassVar[tuple[str, ...]] = ("log",) * len(SPATIAL_RELATIONS)
+    channel_units: ClassVar[tuple[Unit, ...]] = ("log",) * len(SPATIAL_RELATIONS)
+    spread_unit: ClassVar[Unit] = "log"
+    paper_damping: ClassVar[float] = 1e-4
+
+    @property
+    def spread_floor(self) -> float:
+        """See `ConstraintType`."""
+        return self.log_floor
 
     def channels(self, d: Array) -> Array:
         """Log-densities (..., 8)."""
@@ -117,6 +126,10 @@ class Symbolic(ConstraintType):
         if self.mode == "paper":
             return 1.0 / (1.0 + std)
         return 1.0 / np.hypot(std, self.log_floor)
+
+    def spread(self, std: Array, mean: Array) -> Array:
+        """Norm (...) of the standard deviations; the eight channels see one vector from overlapping sides."""
+        return np.linalg.norm(std, axis=-1)
 
     @staticmethod
     def _log_densities(d: Array, delta_rho: float) -> Array:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from sbam.batch.fingerprint import code_fingerprint, fingerprint, robot_fingerprint
+from sbam.batch.fingerprint import code_fingerprint, constraint_fingerprint, fingerprint, robot_fingerprint
 from sbam.batch.kept_results import KeptResults, Key
 from sbam.batch.resumable import Progress, resumed
 from sbam.demonstrations.demonstration import Demonstration
@@ -116,7 +116,11 @@ def evaluate_folds(
     robot_keys = {name: robot_fingerprint(robot) if robot else name for name, robot in robots.items()}
     common = code_fingerprint("evaluation"), fingerprint({name: library[name] for name in library})
     work = [(condition, fold) for condition in conditions for fold in folds]
-    prints = [fingerprint(*common, robot_keys[condition.robot], condition, fold) for condition, fold in work]
+    types = {condition.constraint: constraint_fingerprint(condition.constraint) for condition in conditions}
+    prints = [
+        fingerprint(*common, robot_keys[condition.robot], types[condition.constraint], condition, fold)
+        for condition, fold in work
+    ]
     *_, results = resumed(
         [Key(name=one, fingerprint=one) for one in prints],  # so that results of other settings stay
         lambda index: (run_fold, (*work[index], robots[work[index][0].robot], library)),

@@ -142,7 +142,8 @@ def default_cache() -> Path:
 
 
 def _known_constraint(name: str) -> str:
-    return constraint_type(name).name
+    constraint_type(name)
+    return name
 
 
 def _planning(solver: str, prune: float | None) -> PlanSettings:

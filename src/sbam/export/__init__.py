@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from sbam.errors import TrajectoryError, UnknownNameError
-from sbam.export import csv, npz, ros
 from sbam.export.npz import SavedTrajectory, read_trajectory_npz
+from sbam.extensions import registered
 from sbam.files import write_atomically
 from sbam.planning.plan import Plan
 
-TRAJECTORY_FORMATS: Mapping[str, Callable[[Plan], Mapping[str, bytes]]] = {
-    "npz": npz.encode,
-    "csv": csv.encode,
-    "ros": ros.encode,
-}
-"""Format -> encoder, which returns file name -> content; a new one is a file and a line here."""
+
+@runtime_checkable
+class PlanWriter(Protocol):
+    """Encodes a plan in one format."""
+
+    def __call__(self, plan: Plan, /) -> Mapping[str, bytes]:
+        """File name -> content."""
+        ...
+
+
+TRAJECTORY_FORMATS: Mapping[str, PlanWriter] = registered("sbam.plan_writers", PlanWriter)
+"""Format -> what encodes a plan in it; those that other distributions register included."""
 
 
 def write_plan(
@@ -38,6 +45,7 @@ def write_plan(
     Raises:
         TrajectoryError: if the plan has problems and was not allowed to, or holds numbers that are not finite.
         UnknownNameError: for an unknown format.
+        ExtensionError: if another distribution registers the format and it cannot be used.
         OutputError: if a file cannot be written; nothing half-written is left behind.
     """
     encoders = []
@@ -62,4 +70,4 @@ def write_plan(
     return paths
 
 
-__all__ = ["TRAJECTORY_FORMATS", "SavedTrajectory", "read_trajectory_npz", "write_plan"]
+__all__ = ["TRAJECTORY_FORMATS", "PlanWriter", "SavedTrajectory", "read_trajectory_npz", "write_plan"]

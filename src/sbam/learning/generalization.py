@@ -16,7 +16,7 @@ class GeneralizedChannel:
 
     Attributes:
         name: name of the channel, such as ``rho``.
-        unit: ``m``, ``rad`` or ``log`` (natural logarithm of a density).
+        unit: see `sbam.constraints.base.Unit`.
         time: (M,) s on the model's time axis, strictly increasing, first 0, last the model's duration.
         mean: (M,) in ``unit``; an azimuth is unwrapped along time.
         std: (M,) in ``unit``.

@@ -52,7 +52,7 @@ def learn(
 
     Args:
         demonstrations: one or more demonstrations of the same action, their files or folders, or ``built-in:NAME``.
-        constraint: ``cartesian``, ``cylindrical`` or ``symbolic``.
+        constraint: name of a constraint type: ``cartesian``, ``cylindrical``, ``symbolic``, or one of your own.
         mode: ``default`` or ``paper``; None: that of the settings, else ``default``.
         library: models of the objects; None: the built-in library.
         name: name of the action; None: that of the first demonstration.

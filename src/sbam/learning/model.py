@@ -95,7 +95,7 @@ class ActionModel:
 
     Attributes:
         name: name of the task.
-        constraint: constraint type: ``cartesian``, ``cylindrical`` or ``symbolic``.
+        constraint: name of the constraint type (own-start pairs are Cartesian whatever it is).
         mode: ``default`` or ``paper``.
         roles: the parts objects play.
         changes: one generalised change per region pair.

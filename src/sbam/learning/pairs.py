@@ -7,7 +7,7 @@ from itertools import combinations, permutations
 
 import numpy as np
 
-from sbam.constraints.region_pair import RegionPair, RegionReference
+from sbam.constraints import CARTESIAN, RegionPair, RegionReference
 from sbam.learning.settings import LearningSettings
 from sbam.scene.affordance_region import is_support
 from sbam.scene.object_model import ObjectModel
@@ -46,14 +46,14 @@ def pair_constraint(
     object's upright axis: while it stands their radius is 0 and their azimuth undefined.
     """
     if pair.second is None:
-        return "cartesian"
+        return CARTESIAN
     if against_support(pair, roles, settings):
-        return "cartesian"
-    if constraint != "cartesian" and pair.is_same_object and settings.upright_as_cartesian:
+        return CARTESIAN
+    if constraint != CARTESIAN and pair.is_same_object and settings.upright_as_cartesian:
         model = roles[pair.first.role]
         vector = model.region(pair.first.affordance).center - model.region(pair.second.affordance).center
         if abs(vector @ model.up) >= _UPRIGHT_COSINE * np.linalg.norm(vector):
-            return "cartesian"
+            return CARTESIAN
     return constraint
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.constraints import RegionPair
+from sbam.constraints import RegionPair, constraint_type
 from sbam.learning.generalization import GeneralizedChange
 from sbam.learning.keypoints import keypoint_histogram, keypoint_times
 from sbam.learning.model import ActionModel
@@ -28,8 +28,8 @@ class PairRelevance:
         pair: the pair.
         best_time: when its spread is least while one of its objects is in motion, s on the model's time axis.
         spread: its spread then, in units of `layout_spread`.
-        layout_spread: spread of the pairs between two objects before anything moves, in the constraint's unit (m, or
-            log units), the same for all pairs of one unit.
+        layout_spread: spread of the pairs between two objects before anything moves, in the `spread_unit` of the
+            constraint type (m, or log units), the same for all pairs of one unit.
         precision: 1 / spread relative to the most precise pair between two objects, at most 1 (TAPAS).
         fixed: whether the spread falls below `FIXED`.
     """
@@ -45,7 +45,7 @@ class PairRelevance:
 def rank_pairs(model: ActionModel) -> tuple[PairRelevance, ...]:
     """All pairs of a model, the most relevant first.
 
-    The spread of a pair at one time is the norm of its channels' standard deviations, azimuths as arcs. What the
+    The spread of a pair at one time is that of its constraint type (`ConstraintType.spread`: angles as arcs). What the
     layouts alone would give is the mean spread of the pairs between two objects at the start, where nothing has been
     done yet. Spreads below the floor of the weights (5 mm, 0.05 log units) count as that. An own-start pair, which is
     precise by definition before the object moves, is judged after the object was farthest away.
@@ -57,8 +57,9 @@ def rank_pairs(model: ActionModel) -> tuple[PairRelevance, ...]:
     layouts = _layout_spreads(model)
     found = []
     for change in model.changes:
-        layout = layouts[change.channels[-1].unit]
-        spread = np.maximum(_spread(change, time), _floor(change)) / layout
+        kind = constraint_type(change.constraint)
+        layout = layouts[kind.spread_unit]
+        spread = np.maximum(_spread(change, time), kind.spread_floor) / layout
         during = _motion(model, change, time)
         best = np.flatnonzero(during)[spread[during].argmin()]
         found.append((change, float(time[best]), float(spread[best]), layout))
@@ -90,30 +91,25 @@ def pruned(model: ActionModel, precision: float = 0.6) -> ActionModel:
 
 
 def _spread(change: GeneralizedChange, time: Array) -> Array:
-    """Norm (K,) of the standard deviations of all channels."""
+    """Spread (K,) of a pair, in the unit of its type."""
     mean, std = change.at(time)
-    for index, channel in enumerate(change.channels):
-        if channel.unit == "rad":
-            std[:, index] *= np.abs(mean[:, 0])
-    return np.linalg.norm(std, axis=1)
-
-
-def _floor(change: GeneralizedChange) -> float:
-    return 0.05 if change.channels[0].unit == "log" else 0.005
+    return constraint_type(change.constraint).spread(std, mean)
 
 
 def _layout_spreads(model: ActionModel) -> dict[str, float]:
-    """Spread at the start between two objects, by the unit of z: m or log; at least the floor.
+    """Spread at the start between two objects, by the unit of spreads; at least the floor.
 
     Where no such pair has the unit (own-start pairs in a symbolic model), the largest spread of any pair with it.
     """
     time = np.linspace(0.0, model.duration, _SAMPLES)
+    by_unit: dict[str, list[GeneralizedChange]] = {}
+    for change in model.changes:
+        by_unit.setdefault(constraint_type(change.constraint).spread_unit, []).append(change)
     result = {}
-    for unit in {change.channels[-1].unit for change in model.changes}:
-        changes = [change for change in model.changes if change.channels[-1].unit == unit]
+    for unit, changes in by_unit.items():
         at_start = [_spread(change, time[:1])[0] for change in changes if len(change.pair.roles) == 2]
         spread = np.mean(at_start) if at_start else max(_spread(change, time).max() for change in changes)
-        result[unit] = max(float(spread), _floor(changes[0]))
+        result[unit] = max(float(spread), constraint_type(changes[0].constraint).spread_floor)
     return result
 
 
@@ -126,7 +122,7 @@ def _motion(model: ActionModel, change: GeneralizedChange, time: Array) -> NDArr
     if not during.any():
         during[:] = True
     if change.pair.is_own_start:
-        mean, _ = change.at(time)
-        farthest = np.linalg.norm(mean, axis=1).argmax()
+        vector = constraint_type(change.constraint).vector(change.at(time)[0])
+        farthest = np.linalg.norm(vector, axis=1).argmax()
         during &= time >= time[min(farthest, np.flatnonzero(during)[-1])]
     return during

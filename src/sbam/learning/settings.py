@@ -36,7 +36,7 @@ class LearningSettings:
         segmentation_epsilon: a segment is good if its area is below epsilon * amplitude * duration.
         length_amplitude_floor: smallest amplitude of a length for that threshold, m; below it is noise.
         angle_amplitude_floor: the same for angles, rad.
-        log_amplitude_floor: the same for log-densities.
+        log_amplitude_floor: the same for log-densities and for other numbers without a dimension.
         gap_cost: cost of leaving a keypoint without a partner; a match costs ``|dt|/duration + |dv|/amplitude``.
         keypoint_bins: bins of the histogram of keypoint candidates.
         keypoint_cutoff: cut-off of its low-pass filter, part of the Nyquist frequency.
@@ -98,10 +98,11 @@ class LearningSettings:
         return cls.paper() if mode == "paper" else cls.default()
 
     def amplitude_floor(self, unit: str) -> float:
-        """Amplitude floor of a channel with the unit ``m``, ``rad`` or ``log``."""
+        """Amplitude floor of a channel with that unit (`sbam.constraints.base.Unit`)."""
         floors = {
             "m": self.length_amplitude_floor,
             "rad": self.angle_amplitude_floor,
             "log": self.log_amplitude_floor,
+            "1": self.log_amplitude_floor,
         }
         return floors[unit]

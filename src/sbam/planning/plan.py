@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,7 @@ from sbam.planning.bind import bind
 from sbam.planning.grasping.candidates import Grasp
 from sbam.planning.keypoints.free_flight import solve_free_flight
 from sbam.planning.keypoints.solvers.result import Solution
+from sbam.planning.keypoints.terms import TermFactory
 from sbam.planning.motion.timeline import Phase
 from sbam.planning.search import GraspSearch
 from sbam.planning.settings import PlanSettings
@@ -118,6 +119,7 @@ def plan(
     roles: Mapping[str, str] | None = None,
     start: Mapping[str, float] | None = None,
     progress: Callable[[str], None] | None = None,
+    terms: Sequence[TermFactory] = (),
 ) -> Plan:
     """Plan a learned action for a two-armed robot in a scene.
 
@@ -131,6 +133,9 @@ def plan(
         start: joint name -> position, rad or m, where the robot stands now and returns to; default its home. What is
             outside the limits is projected and noted.
         progress: called with the name of each stage as it begins.
+        terms: further terms of the objective, beside those of ``settings.terms``: functions that make them for a
+            problem. They hold in the free flight too, along which grasps are tried, unless they are about the robot's
+            posture; those rank the combinations of grasps that were found.
 
     Returns:
         The plan. Its ``problems`` say what is wrong with it, if anything.
@@ -143,6 +148,7 @@ def plan(
     """
     model, scene = as_model(model), as_scene(scene)
     settings = settings or PlanSettings()
+    settings = replace(settings, terms=(*settings.terms, *terms))
     stopwatch = Stopwatch(progress)
     stopwatch.enter("variant")
     variant, chosen = choose_variant(model, scene, roles, settings.prune)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from sbam.plain import plain, pose_dict
-from sbam.planning.keypoints.objective import human_likeness_weight
+from sbam.planning.keypoints.terms.human_likeness import human_likeness_weight
 from sbam.planning.plan import Plan
 from sbam.robots import HumanLikeness
 from sbam.robots.human_likeness import PERSON_SWIVEL_DEG

@@ -13,11 +13,12 @@ from scipy.spatial.transform import RigidTransform
 from sbam.errors import TrajectoryError, UnreachableError
 from sbam.planning.grasping.candidates import Grasp
 from sbam.planning.grasping.selection import FollowedGrasp, choose_grasps
-from sbam.planning.keypoints.objective import build_problem, human_likeness_weight
+from sbam.planning.keypoints.objective import build_problem, posture_cost
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.solvers.result import Solution
 from sbam.planning.keypoints.solvers.sequential import solve_sequentially
 from sbam.planning.keypoints.solvers.whole_trajectory import solve_whole_trajectory
+from sbam.planning.keypoints.terms.human_likeness import human_likeness_weight
 from sbam.planning.keypoints.unreached import unreached
 from sbam.planning.motion.allowed_contacts import collision_model
 from sbam.planning.motion.avoidance import keep_clear
@@ -164,15 +165,17 @@ class GraspSearch:
         Combinations with a grasp that has turned out to be blocked come after all others.
         """
         self._stopwatch.enter("grasps")
+        times = self._task.model.keypoint_times[self._checkpoints]
         left = list(
             choose_grasps(
                 self._task,
                 self._robot,
                 self._collision,
                 {role: poses[self._checkpoints] for role, poses in self._free_poses.items()},
-                self._task.model.keypoint_times[self._checkpoints],
+                times,
                 self._settings.seed,
                 human_likeness_weight(self._robot, self._settings),
+                posture_cost(self._task, self._robot, self._settings, times),
             )
         )
         # The paper's solver takes a minute each time, and its faults do not come from the grasps.

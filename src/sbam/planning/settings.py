@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
-from sbam.errors import SettingsError
+from sbam.errors import SettingsError, UnknownNameError
+from sbam.extensions import names
 
 Solver = Literal["default", "sequential", "paper"]
 Between = Literal["poses", "primitive", "splines", "lines"]
@@ -41,10 +43,13 @@ class PlanSettings:
         margin: distance beyond ``clearance`` that is sought then, m.
         prune: least precision, relative to the best, of the pairs between two objects that are used, 0 to 1
             (`sbam.learning.relevance.pruned`); None uses all.
+        terms: further terms of the objective: names that distributions register in the group ``sbam.terms``, or
+            functions that make them (`sbam.planning.keypoints.terms.TermFactory`).
         seed: seed of the random starts.
 
     Raises:
         SettingsError: if a value makes no sense; names it and says what is expected.
+        UnknownNameError: if no term has that name.
     """
 
     solver: Solver = "default"
@@ -62,6 +67,7 @@ class PlanSettings:
     avoid_collisions: bool = True
     margin: float = 0.01
     prune: float | None = None
+    terms: tuple[str | Callable[..., Any], ...] = ()
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -76,6 +82,11 @@ class PlanSettings:
             value = getattr(self, name)
             if value is not None and not (isfinite(value) and value >= 0.0):
                 raise SettingsError(name, value, "a finite number, 0 or more")
+        for term in self.terms:
+            if isinstance(term, str) and term not in names("sbam.terms"):
+                raise UnknownNameError("term", term, names("sbam.terms"))
+            if not (isinstance(term, str) or callable(term)):
+                raise SettingsError("terms", term, "names of terms, or functions that make terms")
         if self.prune is not None and not 0.0 <= self.prune <= 1.0:
             raise SettingsError("prune", self.prune, "a share of the best precision, 0 to 1")
         if not 0.0 < self.speed <= 1.0:

@@ -36,7 +36,12 @@ LETTERS_PER_INCH = 9.5
 
 FORMATS = (".png", ".pdf", ".svg")
 
-SHOWN: dict[str, tuple[float, str]] = {"m": (1000.0, "mm"), "rad": (180.0 / np.pi, "deg"), "log": (1.0, "log density")}
+SHOWN: dict[str, tuple[float, str]] = {
+    "m": (1000.0, "mm"),
+    "rad": (180.0 / np.pi, "deg"),
+    "log": (1.0, "log density"),
+    "1": (1.0, "1"),
+}
 """Unit of a channel -> factor and unit in which it is shown."""
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.constraints import RegionPair
+from sbam.constraints import RegionPair, Symbolic, constraint_type
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.learning.binding import Library, bind_demonstration, demonstrated_models
 from sbam.learning.generalization import pair_vector
@@ -75,7 +75,7 @@ def write_model_plots(
         DemonstrationError: if a demonstration does not show the model's roles.
     """
     figures = {"generalized_changes": plot_generalized_changes(model), "keypoints": plot_keypoints(model)}
-    if model.constraint == "symbolic":
+    if isinstance(constraint_type(model.constraint), Symbolic):
         figures["spatial_relations"] = plot_spatial_relations()
     for demonstration in demonstrations[:1]:
         figures["segmentation"] = _segmentation(model, demonstration, library)

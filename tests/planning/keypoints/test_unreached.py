@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sbam.planning.keypoints.unreached import REQUIREMENT, UNREACHED, unreached
+from sbam.planning.keypoints.terms.similarity import UNREACHED
+from sbam.planning.keypoints.unreached import REQUIREMENT, unreached
 
 
 @pytest.fixture

@@ -1,39 +1,21 @@
-"""Readers of recordings, one file a format; a new one is a module with ``recognises`` and ``read``, and a line here."""
+"""Readers of recordings, one file a format; each registers a `RecordingFormat` in the group ``sbam.readers``."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.assembly import to_demonstration
 from sbam.demonstrations.demonstration import Demonstration
-from sbam.demonstrations.readers import kit_csv, mmm, mmm_legacy, npz
-from sbam.demonstrations.recording import Recording
-from sbam.errors import DemonstrationError, FileFormatError
+from sbam.demonstrations.readers.recording_format import RecordingFormat
+from sbam.errors import DemonstrationError, ExtensionError, FileFormatError
+from sbam.extensions import registered
 
-
-class RecordingFormat(NamedTuple):
-    """A format: its name, the suffix of its files, how to recognise it by content, and how to read it."""
-
-    name: str
-    suffix: str
-    recognises: Callable[[bytes], bool]
-    read: Callable[[bytes, Path], Recording]
-
-
-FORMATS: tuple[RecordingFormat, ...] = (
-    RecordingFormat("MMM 2.0", ".xml", mmm.recognises, mmm.read),
-    RecordingFormat("legacy MMM", ".xml", mmm_legacy.recognises, mmm_legacy.read),
-    RecordingFormat("KIT CSV", ".csv", kit_csv.recognises, kit_csv.read),
-    RecordingFormat("SBAM NPZ", ".npz", npz.recognises, npz.read),
-)
-"""All formats, in the order in which they are tried: by content, then by suffix."""
-
-SUFFIXES: tuple[str, ...] = tuple(dict.fromkeys(known.suffix for known in FORMATS))
+FORMATS: Mapping[str, RecordingFormat] = registered("sbam.readers", RecordingFormat)
+"""All formats by name, in the order in which they are tried: by content, then by suffix."""
 
 
 def read_demonstration(path: str | Path, T_world_agent: RigidTransform | None = None) -> Demonstration:
@@ -88,18 +70,34 @@ def read_demonstrations(paths: str | Path | Iterable[str | Path]) -> list[Demons
 
 def recordings_in(folder: Path) -> list[Path]:
     """Files directly in a folder that are recordings by their suffix, sorted; raises `FileFormatError` without any."""
-    found = sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES and file.is_file())
+    broken: dict[str, ExtensionError] = {}
+    suffixes = tuple(dict.fromkeys(known.suffix for known in _usable(broken)))
+    found = sorted(file for file in folder.iterdir() if file.suffix.lower() in suffixes and file.is_file())
+    if not found and broken:
+        raise next(iter(broken.values()))
     if not found:
-        raise FileFormatError(folder, "", "folder without recordings", f"files named *{', *'.join(SUFFIXES)}")
+        raise FileFormatError(folder, "", "folder without recordings", f"files named *{', *'.join(suffixes)}")
     return found
 
 
+def _usable(broken: dict[str, ExtensionError]) -> Iterator[RecordingFormat]:
+    """The formats that can be used; why others cannot is put into ``broken``."""
+    for name in FORMATS:
+        try:
+            yield FORMATS[name]
+        except ExtensionError as error:
+            broken[name] = error
+
+
 def _format_of(content: bytes, path: Path) -> RecordingFormat:
-    for known in FORMATS:
-        if known.recognises(content):
-            return known
-    for known in FORMATS:
-        if known.suffix == path.suffix.lower():
-            return known
-    valid = ", ".join(f"{known.name} (*{known.suffix})" for known in FORMATS)
+    broken: dict[str, ExtensionError] = {}
+    usable = list(_usable(broken))
+    recognised = [known for known in usable if known.recognises(content)]
+    named = [known for known in usable if known.suffix == path.suffix.lower()]
+    # Content decides, and the suffix between those that take it for theirs, as any archive may look alike.
+    for known in (*(known for known in recognised if known in named), *recognised, *named):
+        return known
+    if broken:  # it may have been for one of these
+        raise next(iter(broken.values()))
+    valid = ", ".join(f"{known.name} (*{known.suffix})" for known in FORMATS.values())
     raise FileFormatError(path, "", "not a recording of a known format", valid)

@@ -19,6 +19,7 @@ from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.demonstration import Hand, Label
 from sbam.demonstrations.readers.checks import check_time, unit_quaternions
+from sbam.demonstrations.readers.recording_format import RecordingFormat
 from sbam.demonstrations.recording import Recording, Track
 from sbam.errors import FileFormatError
 
@@ -135,3 +136,6 @@ def _labels(hand: Hand, cells: list[str] | None, time: Array) -> list[Label]:
         if action:
             labels.append(Label(hand, float(time[start]), float(time[end]), action, target))
     return labels
+
+
+FORMAT = RecordingFormat("KIT CSV", ".csv", recognises, read)

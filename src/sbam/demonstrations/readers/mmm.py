@@ -19,6 +19,7 @@ from sbam.demonstrations.demonstration import Hand
 from sbam.demonstrations.hands import HAND_MARKERS, fit_hand
 from sbam.demonstrations.readers.checks import check_time, parse_xml
 from sbam.demonstrations.readers.labels import labels_of_json, labels_of_xml
+from sbam.demonstrations.readers.recording_format import RecordingFormat
 from sbam.demonstrations.recording import Recording, Track
 from sbam.errors import FileFormatError, FileVersionError
 
@@ -257,3 +258,6 @@ def _read_own(root: Element, path: Path) -> _Own:
 
 def _texts(elements: Iterable[Element]) -> tuple[str, ...]:
     return tuple(element.text for element in elements if element.text)
+
+
+FORMAT = RecordingFormat("MMM 2.0", ".xml", recognises, read)

@@ -9,6 +9,7 @@ import numpy as np
 from sbam.demonstrations.demonstration import Hand
 from sbam.demonstrations.readers.checks import check_time, parse_xml
 from sbam.demonstrations.readers.mmm import HAND_MOTIONS, is_person, read_vectors, track_of_angles
+from sbam.demonstrations.readers.recording_format import RecordingFormat
 from sbam.demonstrations.recording import Recording, Track
 from sbam.errors import FileFormatError
 
@@ -57,3 +58,6 @@ def read(content: bytes, path: Path) -> Recording:
         raise FileFormatError(path, "", "no object motion with poses", "a <Motion> with <MotionFrames>")
     hands: dict[Hand, Track] = {hand: tracks[name] for name, hand in HAND_MOTIONS.items() if name in tracks}
     return Recording(name=path.stem, objects=objects, hands=hands, person=person, notes=tuple(notes))
+
+
+FORMAT = RecordingFormat("legacy MMM", ".xml", recognises, read)

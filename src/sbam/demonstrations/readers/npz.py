@@ -32,6 +32,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.demonstration import Hand, Label
 from sbam.demonstrations.readers.checks import check_time, unit_quaternions
+from sbam.demonstrations.readers.recording_format import RecordingFormat
 from sbam.demonstrations.recording import Recording, Track
 from sbam.errors import FileFormatError, FileVersionError
 
@@ -151,3 +152,6 @@ def _meta(arrays: dict[str, NDArray[np.generic]], path: Path) -> Meta:
         return msgspec.json.decode(str(arrays["meta"].item()), type=Meta)
     except (msgspec.DecodeError, ValueError) as error:
         raise FileFormatError(path, "meta", str(error), "JSON text") from error
+
+
+FORMAT = RecordingFormat("SBAM NPZ", ".npz", recognises, read)

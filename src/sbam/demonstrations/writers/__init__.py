@@ -1,24 +1,19 @@
-"""Writers of demonstrations, one file a format; a new one is a module with ``encode`` and a line here."""
+"""Writers of demonstrations, one file a format; each registers a `RecordingWriter` in the group ``sbam.writers``."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from sbam.demonstrations.demonstration import Demonstration
-from sbam.demonstrations.writers import kit_csv, mmm, npz
-from sbam.errors import UnknownNameError
+from sbam.demonstrations.writers.recording_writer import RecordingWriter
+from sbam.errors import ExtensionError, UnknownNameError
+from sbam.extensions import registered
 from sbam.files import write_atomically
 
-WRITERS: Mapping[str, Callable[[Demonstration], bytes]] = {
-    ".xml": mmm.encode,
-    ".npz": npz.encode,
-    ".csv": kit_csv.encode,
-}
-"""Suffix of the file -> encoder."""
-
-FORMAT_SUFFIXES: Mapping[str, str] = {"mmm": ".xml", "npz": ".npz", "csv": ".csv"}
-"""Short name of a format -> suffix of its files."""
+WRITERS: Mapping[str, RecordingWriter] = registered("sbam.writers", RecordingWriter)
+"""Name of a format -> its writer."""
 
 
 def write_demonstrations(
@@ -32,7 +27,7 @@ def write_demonstrations(
     Args:
         demonstrations: with unique names.
         folder: where to; made if needed.
-        file_format: one of `FORMAT_SUFFIXES`.
+        file_format: one of `WRITERS`.
         progress: called with the number of written files and of all.
 
     Returns:
@@ -40,13 +35,15 @@ def write_demonstrations(
 
     Raises:
         UnknownNameError: if there is no such format.
+        ExtensionError: if another distribution registers it and it cannot be used.
         OutputError: as `write_demonstration`; the files before it stay.
     """
-    if file_format not in FORMAT_SUFFIXES:
-        raise UnknownNameError("recording format", file_format, FORMAT_SUFFIXES)
-    paths = [Path(folder) / f"{one.name}{FORMAT_SUFFIXES[file_format]}" for one in demonstrations]
+    if file_format not in WRITERS:
+        raise UnknownNameError("recording format", file_format, WRITERS)
+    writer = WRITERS[file_format]
+    paths = [Path(folder) / f"{one.name}{writer.suffix}" for one in demonstrations]
     for done, (demonstration, path) in enumerate(zip(demonstrations, paths, strict=True), 1):
-        write_demonstration(demonstration, path)
+        write_atomically(path, writer.encode(demonstration))
         if progress is not None:
             progress(done, len(paths))
     return paths
@@ -54,6 +51,8 @@ def write_demonstrations(
 
 def write_demonstration(demonstration: Demonstration, path: str | Path) -> None:
     """Write a demonstration in the format that the suffix names: ``.xml`` (MMM 2.0), ``.npz`` or ``.csv`` (KIT CSV).
+
+    Other suffixes are those of writers that other distributions register.
 
     `sbam.demonstrations.read_demonstration` gives it back: from MMM and NPZ all of it, to better than 1e-9 m and rad;
     from CSV without source and notes and with labels cut to frames.
@@ -63,7 +62,16 @@ def write_demonstration(demonstration: Demonstration, path: str | Path) -> None:
         OutputError: if the file cannot be written; nothing half-written is left behind.
     """
     path = Path(path)
-    encode = WRITERS.get(path.suffix.lower())
-    if encode is None:
-        raise UnknownNameError("recording format", path.suffix, WRITERS, str(path))
-    write_atomically(path, encode(demonstration))
+    writers = _by_suffix()
+    if path.suffix.lower() not in writers:
+        raise UnknownNameError("recording format", path.suffix, writers, str(path))
+    write_atomically(path, writers[path.suffix.lower()].encode(demonstration))
+
+
+def _by_suffix() -> dict[str, RecordingWriter]:
+    """Suffix -> the first writer that can be used and has it."""
+    writers: dict[str, RecordingWriter] = {}
+    for name in WRITERS:
+        with suppress(ExtensionError):
+            writers.setdefault(WRITERS[name].suffix, WRITERS[name])
+    return writers

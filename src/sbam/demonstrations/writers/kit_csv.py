@@ -13,6 +13,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.demonstration import Demonstration, Hand
 from sbam.demonstrations.readers.kit_csv import AGENT, AXES, HANDS, LABELS, SYNTHETIC, TIME
+from sbam.demonstrations.writers.recording_writer import RecordingWriter
 
 
 def encode(demonstration: Demonstration) -> bytes:
@@ -59,3 +60,6 @@ def _label_column(demonstration: Demonstration, hand: Hand) -> list[str]:
                 if label.start <= time < label.end or time == label.end == demonstration.time[-1]:
                     cells[k] = text
     return cells
+
+
+WRITER = RecordingWriter(".csv", encode)

@@ -17,6 +17,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from sbam.demonstrations.demonstration import Demonstration, Label
 from sbam.demonstrations.readers.labels import HANDS
 from sbam.demonstrations.readers.mmm import FORMAT_VERSION, HAND_MOTIONS
+from sbam.demonstrations.writers.recording_writer import RecordingWriter
 
 Array = NDArray[np.float64]
 
@@ -104,3 +105,6 @@ def _labels(labels: tuple[Label, ...]) -> Iterator[str]:
 def _quote(text: str) -> str:
     # Line breaks in attributes would be read back as blanks.
     return quoteattr(text, {"\n": "&#10;", "\r": "&#13;", "\t": "&#9;"})
+
+
+WRITER = RecordingWriter(".xml", encode)

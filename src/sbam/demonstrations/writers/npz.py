@@ -10,6 +10,7 @@ import numpy as np
 
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.readers.npz import FORMAT_VERSION, Meta
+from sbam.demonstrations.writers.recording_writer import RecordingWriter
 
 
 def encode(demonstration: Demonstration) -> bytes:
@@ -37,3 +38,6 @@ def encode(demonstration: Demonstration) -> bytes:
     content = io.BytesIO()
     np.savez_compressed(content, allow_pickle=False, **arrays)
     return content.getvalue()
+
+
+WRITER = RecordingWriter(".npz", encode)

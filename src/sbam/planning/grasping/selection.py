@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -30,7 +30,7 @@ KEEP = 24  # best grasps of each hand that are combined
 COMBINATIONS = 60  # combinations whose clearance is measured at once, the best first
 MOST = 4  # times that
 ENOUGH_CLEAR = 6  # combinations that keep clear; more are not looked for
-HUMAN = 0.7  # score per unit of the weighted t_h
+HUMAN = 0.7  # score per unit of the weighted t_h, and of other terms about the posture
 AMPLE = 0.03  # m: more clearance than this is not better
 
 
@@ -204,6 +204,7 @@ def choose_grasps(
     times: Array,
     seed: int = 0,
     human_likeness: float = 0.0,
+    posture: Callable[[Mapping[tuple[str, Hand], RigidTransform], Array], float] | None = None,
 ) -> list[dict[RoleHand, FollowedGrasp]]:
     """Combinations of grasps for all hands, best first.
 
@@ -218,6 +219,8 @@ def choose_grasps(
         times: (M,) of the checkpoints, model's time axis, s.
         seed: of the random starts.
         human_likeness: lambda_h, by which grasps are preferred that let the arm take a person's posture.
+        posture: what else counts of the posture, from the grasps of all hands and (M, n) configurations. It ranks the
+            combinations, which are made of the grasps that are best for each hand without it.
 
     Returns:
         (role, hand) -> grasp, the best `COMBINATIONS` of them.
@@ -240,11 +243,25 @@ def choose_grasps(
         scored = [replace(item, score=item.score + _penalty(c)) for item, c in zip(followed, clearance, strict=True)]
         options.append(sorted(scored, key=lambda item: item.score)[:KEEP])
     combinations = sorted(product(*options), key=lambda items: sum(item.score for item in items))
-    if len(options) == 1:
-        combinations = combinations[:COMBINATIONS]
-    else:
-        combinations = _by_arms_clearance(task, robot, collision, combinations, poses, held)
     keys = [key for _, key in task.holds]
+
+    def further(items: Sequence[FollowedGrasp], configurations: Array) -> float:
+        """What counts of the posture beside human-likeness, as a score."""
+        if posture is None:
+            return 0.0
+        T_object_tcp: dict[tuple[str, Hand], RigidTransform] = {
+            key: item.grasp.T_object_tcp for key, item in zip(keys, items, strict=True)
+        }
+        return HUMAN * posture(T_object_tcp, configurations)
+
+    if len(options) == 1:
+        some = combinations[:COMBINATIONS]
+        moved, key = task.holds[0]
+        configurations = [_merged(robot, [(moved, key.hand)], items, held) for items in some]
+        scores = [items[0].score + further(items, q) for items, q in zip(some, configurations, strict=True)]
+        combinations = [some[i] for i in np.argsort(scores, kind="stable")]
+    else:
+        combinations = _by_arms_clearance(task, robot, collision, combinations, poses, held, further)
     return [dict(zip(keys, items, strict=True)) for items in combinations]
 
 
@@ -255,6 +272,7 @@ def _by_arms_clearance(
     combinations: Sequence[tuple[FollowedGrasp, ...]],
     poses: Mapping[str, RigidTransform],
     held: Mapping[str, NDArray[np.bool_]],
+    further: Callable[[Sequence[FollowedGrasp], Array], float],
 ) -> list[tuple[FollowedGrasp, ...]]:
     """The combinations ranked with the clearance between the arms; goes on until enough of them keep clear."""
     keys: list[tuple[MovedObject, Hand]] = [(moved, key.hand) for moved, key in task.holds]
@@ -264,7 +282,10 @@ def _by_arms_clearance(
         some = combinations[len(scores) : len(scores) + COMBINATIONS]
         configurations = np.array([_merged(robot, keys, items, held) for items in some])
         clearance = _clearances(task, collision, configurations, poses, held, ("arm-arm",))
-        scores += [sum(i.score for i in items) + _penalty(c) for items, c in zip(some, clearance, strict=True)]
+        scores += [
+            sum(item.score for item in items) + _penalty(c) + further(items, q)
+            for items, c, q in zip(some, clearance, configurations, strict=True)
+        ]
         clear += int((clearance >= 0.0).sum())
     return [combinations[i] for i in np.argsort(scores)[:COMBINATIONS]]
 

@@ -49,7 +49,7 @@ def solve_free_flight(task: Task, settings: PlanSettings) -> tuple[Solution, dic
         hand = moved.hands[0]
         grasps[moved.role, hand] = RigidTransform.from_rotation(moved.start.rotation.inv())
         start[robot.arms[hand].joint_indices[:3]] = moved.start.translation
-    problem = build_problem(single_handed, robot, grasps, replace(settings, human_likeness=0.0))
+    problem = build_problem(single_handed, robot, grasps, settings, free_flight=True)
     if settings.solver == "sequential":
         solution = solve_sequentially(problem, start)
     else:

@@ -2,160 +2,135 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform
 
-from sbam.constraints import RegionReference, constraint_type
 from sbam.demonstrations.demonstration import Hand
+from sbam.errors import SettingsError
+from sbam.extensions import BUILT_IN
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.state import Carrying, RegionPoint, Workspace
-from sbam.planning.keypoints.targets import compared_changes, pair_target, vector_shift
-from sbam.planning.keypoints.terms import (
-    Closure,
-    Damping,
-    HumanLikeness,
-    NaturalJoints,
-    Resting,
-    Similarity,
-    Smoothness,
-    Term,
-)
-from sbam.planning.keypoints.weights import pair_weights
+from sbam.planning.keypoints.terms import TERMS, Term, TermContext, TermFactory
 from sbam.planning.settings import PlanSettings
 from sbam.planning.task import Task
-from sbam.robots import HumanLikeness as HumanLikenessPosture
 from sbam.robots import Robot
-from sbam.robots.natural_joints import NaturalJoints as NaturalJointsPosture
 
 Array = NDArray[np.float64]
-
-# Mode `paper`: w'_o = c dt std, c in 1/(mm s) for lengths and 1/(log s) for log-densities. Larger values stop the pour.
-PAPER_DAMPING = {"cartesian": 1e-3, "cylindrical": 1e-3, "symbolic": 1e-4}
-
-
-DEFAULT_HUMAN_LIKENESS = 3.0  # lambda_h of robots whose arms are like a person's
-
-
-def human_likeness_weight(robot: Robot, settings: PlanSettings) -> float:
-    """lambda_h for a robot: as set, else the default for robots whose arms are like a person's and 0 for others."""
-    if settings.human_likeness is not None:
-        return settings.human_likeness
-    return DEFAULT_HUMAN_LIKENESS if robot.description.human_likeness else 0.0
+Grasps = Mapping[tuple[str, Hand], RigidTransform]
 
 
 def build_problem(
     task: Task,
     robot: Robot,
-    T_object_tcp: Mapping[tuple[str, Hand], RigidTransform],
+    T_object_tcp: Grasps,
     settings: PlanSettings,
     times: Array | None = None,
+    free_flight: bool = False,
 ) -> Problem:
     """The problem of bringing a task's objects through its keypoints.
+
+    Its terms are the built-in ones and those of ``settings.terms``; each decides whether it has anything to say.
 
     Args:
         task: model bound to a scene.
         robot: a robot standing in the agent frame.
         T_object_tcp: (role, hand) -> grasp.
-        settings: weights of the terms.
+        settings: weights of the terms, and further terms.
         times: (K,) keypoints on the model's time axis, s; default the model's own.
+        free_flight: leave out what is about the posture of a robot.
 
     Returns:
         The problem; its workspace's carryings are in the order of ``task.moved``.
+
+    Raises:
+        UnknownNameError: if no term has a name of ``settings.terms``.
+        ExtensionError: if a term that another distribution registers cannot be used.
+        SettingsError: if something in ``settings.terms`` makes no terms.
     """
-    times = task.model.keypoint_times if times is None else times
+    context = _context(task, robot, T_object_tcp, settings, times, free_flight)
+    factories = [*(TERMS[name] for name in BUILT_IN["sbam.terms"]), *_further(settings)]
+    terms = tuple(
+        term for make in factories for term in _made(make, context) if not (free_flight and term.about_posture)
+    )
+    return Problem(_workspace(context, terms), terms, len(context.times))
+
+
+def posture_cost(
+    task: Task, robot: Robot, settings: PlanSettings, times: Array
+) -> Callable[[Grasps, Array], float] | None:
+    """What further terms about the robot's posture say of grasps; None if there are no further terms.
+
+    Args:
+        task: model bound to a scene.
+        robot: a robot standing in the agent frame.
+        settings: further terms.
+        times: (M,) moments on the model's time axis, s.
+
+    Returns:
+        From the grasps of all hands and (M, n) configurations to the mean cost of these terms.
+    """
+    factories = list(_further(settings))
+    if not factories:
+        return None
+
+    def cost(T_object_tcp: Grasps, configurations: Array) -> float:
+        context = _context(task, robot, T_object_tcp, settings, times, free_flight=False)
+        terms = tuple(term for make in factories for term in _made(make, context) if term.about_posture)
+        state = _workspace(context, terms).state(configurations)
+        return float(sum(term.cost(state).sum() for term in terms)) / len(times)
+
+    return cost
+
+
+def _further(settings: PlanSettings) -> Iterator[TermFactory]:
+    """What the settings add to the built-in terms."""
+    for term in settings.terms:
+        if not isinstance(term, str):
+            yield term
+        elif term not in BUILT_IN["sbam.terms"]:
+            yield TERMS[term]
+
+
+def _made(make: TermFactory, context: TermContext) -> Iterator[Term]:
+    terms = make(context)
+    if isinstance(terms, Term):
+        raise SettingsError("terms", make, "a function of a TermContext that returns a list of terms, not one term")
+    for term in terms:
+        if not isinstance(term, Term):
+            raise SettingsError("terms", make, f"a function of a TermContext that returns terms, not {term!r}")
+        yield term
+
+
+def _context(
+    task: Task, robot: Robot, T_object_tcp: Grasps, settings: PlanSettings, times: Array | None, free_flight: bool
+) -> TermContext:
+    regions = {region for c in task.model.changes for region in (c.pair.first, c.pair.second) if region is not None}
+    return TermContext(
+        task=task,
+        robot=robot,
+        T_object_tcp=T_object_tcp,
+        regions=tuple(sorted(regions)),
+        times=task.model.keypoint_times if times is None else times,
+        settings=settings,
+        free_flight=free_flight,
+    )
+
+
+def _workspace(context: TermContext, terms: tuple[Term, ...]) -> Workspace:
+    """The robot with what it carries, and every frame that a term looks at."""
+    task, roles = context.task, context.roles
     carryings = [
-        Carrying(moved.role, moved.hands[0], T_object_tcp[moved.role, moved.hands[0]].inv()) for moved in task.moved
+        Carrying(moved.role, moved.hands[0], context.T_object_tcp[moved.role, moved.hands[0]].inv())
+        for moved in task.moved
     ]
-    references = sorted(
-        {reference for c in task.model.changes for reference in (c.pair.first, c.pair.second) if reference is not None}
-    )
-    roles = [carrying.role for carrying in carryings]
     points = [
-        RegionPoint(roles.index(reference.role), task.region_center(reference))
-        if reference.role in roles
-        else RegionPoint(-1, task.region_at_start(reference))
-        for reference in references
+        RegionPoint(roles.index(region.role), task.region_center(region))
+        if region.role in roles
+        else RegionPoint(-1, task.region_at_start(region))
+        for region in context.regions
     ]
-    weight = human_likeness_weight(robot, settings)
-    posture = (
-        (NaturalJointsPosture if settings.posture == "joints" else HumanLikenessPosture)(robot) if weight else None
-    )
-    workspace = Workspace(robot, carryings, points, posture.frames if posture else ())
-    terms: list[Term] = [*_similarities(task, references, times, settings), _damping(task, times, settings)]
-    if isinstance(posture, NaturalJointsPosture):
-        terms.append(NaturalJoints(weight, posture, tuple(robot.arms)))
-    elif posture:
-        terms.append(HumanLikeness(weight, posture))
-    if task.model.mode == "default":
-        terms.append(_resting(task, times))
-        terms.append(Smoothness(settings.smoothness))
-    for index, moved in enumerate(task.moved):
-        for hand in moved.hands[1:]:
-            grasp = T_object_tcp[moved.role, hand]
-            arm = workspace.arms.index(hand)
-            terms.append(Closure(index, arm, grasp.translation, grasp.rotation.as_matrix()))
-    return Problem(workspace, tuple(terms), len(times))
-
-
-def _similarities(
-    task: Task, references: Sequence[RegionReference], times: Array, settings: PlanSettings
-) -> list[Similarity]:
-    """One similarity term per constraint type that occurs in the model."""
-    index = {reference: i for i, reference in enumerate(references)}
-    terms = []
-    for name in sorted({change.constraint for change in task.model.changes}):
-        changes = [change for change in compared_changes(task, settings) if change.constraint == name]
-        constraint = constraint_type(name).in_mode(task.model.mode)
-        target = np.stack([pair_target(task, change, times, settings) for change in changes], axis=1)
-        weight = np.stack([pair_weights(task.model, c, times, settings.proximity) for c in changes], axis=1)
-        terms.append(
-            Similarity(
-                constraint=constraint,
-                pairs=tuple(str(change.pair) for change in changes),
-                first=np.array([index[change.pair.first] for change in changes]),
-                second=np.array([-1 if c.pair.second is None else index[c.pair.second] for c in changes]),
-                origin=np.array([task.region_at_start(change.pair.first) for change in changes]),
-                shift=np.array([vector_shift(task, change) for change in changes]),
-                target=target,
-                weight=weight,
-            )
-        )
-    return terms
-
-
-def _damping(task: Task, times: Array, settings: PlanSettings) -> Damping:
-    """t_d: constant in mode ``default``; in mode ``paper`` proportional to the time step and the mean std."""
-    roles = tuple(moved.role for moved in task.moved)
-    start = np.array([moved.start.translation for moved in task.moved]).reshape(-1, 3)
-    if task.model.mode == "default":
-        return Damping(roles, np.full((len(times), len(roles)), settings.damping), start)
-    step = np.diff(times, prepend=times[0])
-    weight = np.zeros((len(times), len(roles)))
-    for i, role in enumerate(roles):
-        stds = []
-        for change in task.model.changes:
-            if role in change.pair.roles:
-                scale = np.array([1000.0 if channel.unit == "m" else 1.0 for channel in change.channels])
-                stds.append((change.at(times)[1] * scale).mean(axis=1))
-        weight[:, i] = 1000.0 * PAPER_DAMPING[task.model.constraint] * step * np.mean(stds, axis=0)
-    return Damping(roles, weight, start)
-
-
-def _resting(task: Task, times: Array) -> Resting:
-    """Objects stand still before their lift and after they are put down."""
-    tolerance = 1e-9
-    before = np.array([times <= moved.lift + tolerance for moved in task.moved]).T
-    after = np.array([times >= moved.place - tolerance for moved in task.moved]).T
-    start_position = np.array([moved.start.translation for moved in task.moved])
-    end_position = np.array([moved.put_down.translation for moved in task.moved])
-    start_rotation = np.array([moved.start.rotation.as_matrix() for moved in task.moved])
-    end_rotation = np.array([moved.put_down.rotation.as_matrix() for moved in task.moved])
-    return Resting(
-        objects=tuple(moved.role for moved in task.moved),
-        resting=before | after,
-        position=np.where(before[..., None], start_position, end_position),
-        rotation=np.where(before[..., None, None], start_rotation, end_rotation),
-    )
+    frames = tuple(dict.fromkeys(frame for term in terms for frame in term.frames))
+    return Workspace(context.robot, carryings, points, frames)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.constraints import RegionReference
+from sbam.constraints import CARTESIAN, RegionReference
 from sbam.learning.generalization import GeneralizedChange
 from sbam.learning.strokes import LEAST_STROKES
 from sbam.planning.settings import PlanSettings
@@ -36,7 +36,7 @@ def pair_target(task: Task, change: GeneralizedChange, times: Array, settings: P
     """
     mean = change.at(times)[0]
     first, second = change.pair.first, change.pair.second
-    if task.model.mode == "paper" or change.constraint != "cartesian":
+    if task.model.mode == "paper" or change.constraint != CARTESIAN:
         return mean
     if change.pair.is_same_object and second is not None:
         return (

@@ -18,7 +18,8 @@ class Solution:
     Attributes:
         configurations: (K, n) rad or m, within the limits.
         objective: exact objective.
-        terms: term -> group -> (K,) cost at each keypoint; requirements are the scaled residual's half square.
+        terms: term -> group -> (K,) cost at each keypoint, summed where two terms have both names; requirements are
+            the scaled residual's half square.
         active_limits: per keypoint the names of joints that rest on a limit.
         solver: name of the solver.
         starts: number of starts that were tried.
@@ -46,7 +47,9 @@ def describe(problem: Problem, state: State, solver: str, starts: int, iteration
     for term in problem.terms:
         cost = term.cost(state)
         objective += 0.0 if term.is_requirement else float(cost.sum())
-        terms.setdefault(term.name, {}).update({group: cost[:, i] for i, group in enumerate(term.groups())})
+        groups = terms.setdefault(term.name, {})
+        for i, group in enumerate(term.groups()):
+            groups[group] = groups[group] + cost[:, i] if group in groups else cost[:, i]
     return Solution(
         configurations=q,
         objective=objective,

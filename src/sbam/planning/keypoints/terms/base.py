@@ -34,17 +34,43 @@ EXACT = Smoothing()
 
 
 class Term(ABC):
-    """One term of the objective over all K keypoints at once.
+    r"""One term of the objective over all K keypoints at once.
 
     The residual comes in G groups of m rows. With ``loss = "norm"`` each group contributes its Euclidean norm (the
-    paper's t_s and t_d are sums of norms), with ``loss = "square"`` half its squared norm.
+    paper's t_s and t_d are sums of norms), with ``loss = "square"`` half its squared norm:
+
+    .. math::
+
+        t = \sum_{k=1}^{K} \sum_{g=1}^{G} \left\lVert r_{kg}(\theta) \right\rVert
+        \qquad\text{or}\qquad
+        t = \tfrac12 \sum_{k=1}^{K} \sum_{g=1}^{G} \left\lVert r_{kg}(\theta) \right\rVert^2
+
+    Attributes:
+        name: under which it is reported.
+        loss: see above.
+        couples_neighbours: whether the residual depends on the previous keypoint's configuration too.
+        is_requirement: a constraint posed as a stiff penalty: it is met, not traded, and no part of the objective.
+        about_posture: whether it is about how a robot holds itself, which says nothing where there is no robot: such
+            terms are left out of the free flight, and grasps are preferred that let them be small.
+        excess_unit: what the cost of a group counts, in words, where `most_excess` is a number.
     """
 
     name: ClassVar[str]
     loss: ClassVar[Literal["norm", "square"]] = "square"
     couples_neighbours: ClassVar[bool] = False
-    # A requirement is a constraint posed as a stiff penalty: it is met, not traded, and no part of the objective.
     is_requirement: ClassVar[bool] = False
+    about_posture: ClassVar[bool] = False
+    excess_unit: ClassVar[str] = ""
+
+    @property
+    def most_excess(self) -> float | None:
+        """How much more a group may cost than without a robot before its keypoint counts as out of reach."""
+        return None
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """Frames of the robot that ``State.kinematics`` must hold beside the arms' tool centre points."""
+        return ()
 
     @abstractmethod
     def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:

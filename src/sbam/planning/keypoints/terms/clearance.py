@@ -15,10 +15,16 @@ SCALE = 2e-3  # m: soft beside `Resting` and `Closure`, which it must not bend w
 
 @dataclass(frozen=True)
 class Clearance(Term):
-    """max(0, margin - distance) / SCALE for pairs of shapes that were near at a linearisation point.
+    r"""Missing distances of pairs of shapes that were near at a linearisation point; not in the paper.
 
-    A pair was near at a moment between the keypoints k - 1 and k; moving these keypoints changes its distance by
-    ``gradient . ((1 - fraction) dq_(k-1) + fraction dq_k)``, as in sequential convex optimisation of trajectories
+    .. math:: \tfrac12 \sum_i \left( \max(0, m - d_i) / s \right)^2
+
+    with the margin :math:`m` and the scale :math:`s` of `SCALE`. A pair was near at a moment between the keypoints
+    :math:`k - 1` and :math:`k`; moving these keypoints changes its distance by
+
+    .. math:: \nabla d_i \cdot \left( (1 - \lambda)\, \Delta q_{k-1} + \lambda\, \Delta q_k \right)
+
+    with the share :math:`\lambda` of the interval that has passed, as in sequential convex optimisation of trajectories
     (Schulman et al. 2014). Shorter lists are filled up with infinite distances.
 
     Attributes:

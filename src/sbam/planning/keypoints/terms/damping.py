@@ -7,14 +7,18 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from sbam.constraints import constraint_type
 from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.context import TermContext
 from sbam.planning.keypoints.terms.rows import Rows, VectorRows
 
 
 @dataclass(frozen=True)
 class Damping(Term):
-    """t_d(theta) = sum over carried objects of w'_o |p_o - p_o(previous keypoint)| (paper, section III-D).
+    r"""t_d: steps of the carried objects' origins p from keypoint to keypoint (paper, section III-D).
+
+    .. math:: t_d(\theta) = \sum_o w'_o \left\lVert p_o - p_o^{\text{previous}} \right\rVert
 
     Attributes:
         objects: (O,) roles of the carried objects, in the workspace's order.
@@ -63,3 +67,23 @@ class Damping(Term):
     def epsilon(self, smoothing: Smoothing) -> float:
         """Damping has its own smoothing: its norm is exactly zero at many optima."""
         return smoothing.damping
+
+
+def damping_terms(context: TermContext) -> list[Damping]:
+    """Weight constant in mode ``default``; in mode ``paper`` w'_o = c dt std, with the mean standard deviation."""
+    task, times = context.task, context.times
+    roles = context.roles
+    start = np.array([moved.start.translation for moved in task.moved]).reshape(-1, 3)
+    if task.model.mode == "default":
+        return [Damping(roles, np.full((len(times), len(roles)), context.settings.damping), start)]
+    coefficient = constraint_type(task.model.constraint).paper_damping
+    step = np.diff(times, prepend=times[0])
+    weight = np.zeros((len(times), len(roles)))
+    for i, role in enumerate(roles):
+        stds = []
+        for change in task.model.changes:
+            if role in change.pair.roles:
+                scale = np.array([1000.0 if channel.unit == "m" else 1.0 for channel in change.channels])
+                stds.append((change.at(times)[1] * scale).mean(axis=1))
+        weight[:, i] = 1000.0 * coefficient * step * np.mean(stds, axis=0)
+    return [Damping(roles, weight, start)]

@@ -9,14 +9,28 @@ import numpy as np
 
 from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.context import TermContext
+from sbam.planning.settings import PlanSettings
 from sbam.robots import HumanLikeness as Posture
+from sbam.robots import Robot
+
+DEFAULT_WEIGHT = 3.0  # lambda_h of robots whose arms are like a person's
+
+
+def human_likeness_weight(robot: Robot, settings: PlanSettings) -> float:
+    """lambda_h for a robot: as set, else the default for robots whose arms are like a person's and 0 for others."""
+    if settings.human_likeness is not None:
+        return settings.human_likeness
+    return DEFAULT_WEIGHT if robot.description.human_likeness else 0.0
 
 
 @dataclass(frozen=True)
 class HumanLikeness(Term):
-    """t_h(theta) = lambda sum over arms of (1 - u . u*) + (1 - f . f*) (paper, section III-D, as reconstructed).
+    r"""t_h: directions of upper arm u and forearm f (paper, section III-D, as reconstructed).
 
-    With upper arm u and forearm f and their natural directions u*, f* for the hand's position, scaled by arm length.
+    .. math:: t_h(\theta) = \lambda_h \sum_{\text{arms}} (1 - u \cdot u^*) + (1 - f \cdot f^*)
+
+    with their natural directions :math:`u^*, f^*` for the hand's position, scaled by arm length.
 
     Attributes:
         weight: lambda_h.
@@ -24,9 +38,15 @@ class HumanLikeness(Term):
     """
 
     name: ClassVar[str] = "human-likeness"
+    about_posture: ClassVar[bool] = True
 
     weight: float
     posture: Posture
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """See `Term`."""
+        return self.posture.frames
 
     def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
         """(K, 1, m) scaled differences of the directions."""
@@ -43,3 +63,11 @@ class HumanLikeness(Term):
     def at(self, keypoint: int, previous: State | None) -> HumanLikeness:
         """The same term: it knows no keypoint."""
         return self
+
+
+def human_likeness_terms(context: TermContext) -> list[HumanLikeness]:
+    """One term, unless its weight is 0 or ``posture`` asks for `NaturalJoints` instead."""
+    weight = human_likeness_weight(context.robot, context.settings)
+    if context.free_flight or not weight or context.settings.posture != "directions":
+        return []
+    return [HumanLikeness(weight, Posture(context.robot))]

@@ -9,12 +9,17 @@ import numpy as np
 
 from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.context import TermContext
+from sbam.planning.keypoints.terms.human_likeness import human_likeness_weight
 from sbam.robots.natural_joints import NaturalJoints as Posture
 
 
 @dataclass(frozen=True)
 class NaturalJoints(Term):
-    """t_h(theta) = lambda sum over arms of SOA_q, SOA_q = |W (q* - q)| (paper, section III-D, as reconstructed).
+    r"""t_h in joint space (paper, section III-D, as reconstructed).
+
+    .. math:: t_h(\theta) = \lambda_h \sum_{\text{arms}} \mathrm{SOA}_q, \qquad
+        \mathrm{SOA}_q = \left\lVert W (q^* - q) \right\rVert
 
     Attributes:
         weight: lambda_h.
@@ -24,10 +29,16 @@ class NaturalJoints(Term):
 
     name: ClassVar[str] = "human-likeness"
     loss: ClassVar[Literal["norm", "square"]] = "norm"
+    about_posture: ClassVar[bool] = True
 
     weight: float
     posture: Posture
     arms: tuple[str, ...]
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """See `Term`."""
+        return self.posture.frames
 
     def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
         """(K, A, 5) weighted differences of the joints."""
@@ -46,3 +57,11 @@ class NaturalJoints(Term):
     def at(self, keypoint: int, previous: State | None) -> NaturalJoints:
         """The same term: it knows no keypoint."""
         return self
+
+
+def natural_joints_terms(context: TermContext) -> list[NaturalJoints]:
+    """One term where ``posture`` asks for it and its weight is not 0."""
+    weight = human_likeness_weight(context.robot, context.settings)
+    if context.free_flight or not weight or context.settings.posture != "joints":
+        return []
+    return [NaturalJoints(weight, Posture(context.robot), context.arms)]

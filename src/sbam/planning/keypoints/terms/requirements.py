@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.context import TermContext
 from sbam.planning.keypoints.terms.rows import JointRows, Rows
 from sbam.robots.rotation_error import left_jacobian_inverse, rotation_error
 
@@ -28,7 +29,12 @@ def _pose_residual(position: Array, position_target: Array, rotation: Array, rot
 
 @dataclass(frozen=True)
 class Resting(Term):
-    """A carried object stands still while it is not to be moved: before its lift and after it is put down.
+    r"""A carried object stands still while it is not to be moved: before its lift and after it is put down.
+
+    Not in the paper. With the pose :math:`(p, R)` of each object that rests, and the scales of position and rotation:
+
+    .. math:: \tfrac12 \sum_o \left\lVert \tfrac{1}{s_p} (p_o - p_o^*) \right\rVert^2
+        + \left\lVert \tfrac{1}{s_R} \log(R_o {R_o^*}^\top) \right\rVert^2
 
     Attributes:
         objects: (O,) roles of the carried objects, in the workspace's order.
@@ -93,7 +99,12 @@ class Resting(Term):
 
 @dataclass(frozen=True)
 class Closure(Term):
-    """The second hand keeps its grasp of an object that the first hand carries (the loop is closed).
+    r"""The second hand keeps its grasp of an object that the first hand carries: the loop is closed (section III-D).
+
+    With the second hand's pose :math:`(p, R)` and the pose that its grasp asks of it, given the object's:
+
+    .. math:: \tfrac12 \left\lVert \tfrac{1}{s_p} (p - p^*(\theta)) \right\rVert^2
+        + \tfrac12 \left\lVert \tfrac{1}{s_R} \log(R\, R^*(\theta)^\top) \right\rVert^2
 
     Attributes:
         carrying: index of the carrying whose object is held by both hands.
@@ -139,3 +150,35 @@ class Closure(Term):
     def at(self, keypoint: int, previous: State | None) -> Closure:
         """The same term: it knows no keypoint."""
         return self
+
+
+def resting_terms(context: TermContext) -> list[Resting]:
+    """Objects stand still before their lift and after they are put down; not in mode ``paper``."""
+    if context.task.model.mode != "default":
+        return []
+    moved, times, tolerance = context.task.moved, context.times, 1e-9
+    before = np.array([times <= one.lift + tolerance for one in moved]).T
+    after = np.array([times >= one.place - tolerance for one in moved]).T
+    start_position = np.array([one.start.translation for one in moved])
+    end_position = np.array([one.put_down.translation for one in moved])
+    start_rotation = np.array([one.start.rotation.as_matrix() for one in moved])
+    end_rotation = np.array([one.put_down.rotation.as_matrix() for one in moved])
+    return [
+        Resting(
+            objects=context.roles,
+            resting=before | after,
+            position=np.where(before[..., None], start_position, end_position),
+            rotation=np.where(before[..., None, None], start_rotation, end_rotation),
+        )
+    ]
+
+
+def closure_terms(context: TermContext) -> list[Closure]:
+    """One term per further hand of an object."""
+    terms = []
+    for index, moved in enumerate(context.task.moved):
+        for hand in moved.hands[1:]:
+            grasp = context.T_object_tcp[moved.role, hand]
+            arm = context.arms.index(hand)
+            terms.append(Closure(index, arm, grasp.translation, grasp.rotation.as_matrix()))
+    return terms

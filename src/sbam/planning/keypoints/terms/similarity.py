@@ -9,15 +9,25 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sbam.constraints import ConstraintType
+from sbam.constraints import ConstraintType, constraint_type
 from sbam.planning.keypoints.state import State
+from sbam.planning.keypoints.targets import compared_changes, pair_target, vector_shift
 from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.context import TermContext
 from sbam.planning.keypoints.terms.rows import Rows, VectorRows
+from sbam.planning.keypoints.weights import pair_weights
+
+UNREACHED = 3.0
+"""A pair is missed if it is off by this many learned standard deviations more than without a robot."""
 
 
 @dataclass(frozen=True)
 class Similarity(Term):
-    """t_s(theta) = sum over pairs of sqrt(s_ij) (paper, section III-D), one group per pair of one constraint type.
+    r"""t_s: one group per pair of one constraint type (paper, section III-D).
+
+    .. math:: t_s(\theta) = \sum_{i,j} \sqrt{s_{i,j}(\theta)}
+
+    with the similarity :math:`s` of the constraint type (`sbam.constraints.ConstraintType`).
 
     Attributes:
         constraint: the type, which knows residual and derivative.
@@ -32,6 +42,7 @@ class Similarity(Term):
 
     name: ClassVar[str] = "similarity"
     loss: ClassVar[Literal["norm", "square"]] = "norm"
+    excess_unit: ClassVar[str] = "learned standard deviations"
 
     constraint: ConstraintType
     pairs: tuple[str, ...]
@@ -41,6 +52,11 @@ class Similarity(Term):
     shift: Array
     target: Array
     weight: Array
+
+    @property
+    def most_excess(self) -> float | None:
+        """`UNREACHED`; none in mode ``paper``, where a pair's residual is in mm, which no one threshold fits."""
+        return UNREACHED if self.constraint.mode == "default" else None
 
     @cached_property
     def _incidence(self) -> Array:
@@ -94,3 +110,25 @@ class Similarity(Term):
         """The term at one keypoint."""
         k = slice(keypoint, keypoint + 1)
         return replace(self, target=self.target[k], weight=self.weight[k])
+
+
+def similarity_terms(context: TermContext) -> list[Similarity]:
+    """One term per constraint type that occurs in the model."""
+    task, times, settings = context.task, context.times, context.settings
+    index = {reference: i for i, reference in enumerate(context.regions)}
+    terms = []
+    for name in sorted({change.constraint for change in task.model.changes}):
+        changes = [change for change in compared_changes(task, settings) if change.constraint == name]
+        terms.append(
+            Similarity(
+                constraint=constraint_type(name).in_mode(task.model.mode),
+                pairs=tuple(str(change.pair) for change in changes),
+                first=np.array([index[change.pair.first] for change in changes]),
+                second=np.array([-1 if c.pair.second is None else index[c.pair.second] for c in changes]),
+                origin=np.array([task.region_at_start(change.pair.first) for change in changes]),
+                shift=np.array([vector_shift(task, change) for change in changes]),
+                target=np.stack([pair_target(task, change, times, settings) for change in changes], axis=1),
+                weight=np.stack([pair_weights(task.model, c, times, settings.proximity) for c in changes], axis=1),
+            )
+        )
+    return terms

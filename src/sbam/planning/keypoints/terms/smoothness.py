@@ -9,12 +9,15 @@ import numpy as np
 
 from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.context import TermContext
 from sbam.planning.keypoints.terms.rows import Rows, StepRows
 
 
 @dataclass(frozen=True)
 class Smoothness(Term):
-    """c sum_k |q_k - q_(k-1)|^2: settles redundancy and avoids branch switches; not in the paper.
+    r"""Squared steps of the joints: settles redundancy and avoids branch switches; not in the paper.
+
+    .. math:: c \sum_k \left\lVert q_k - q_{k-1} \right\rVert^2
 
     Attributes:
         coefficient: c, 1/rad^2 (or 1/m^2).
@@ -60,3 +63,8 @@ class Smoothness(Term):
     def at(self, keypoint: int, previous: State | None) -> Smoothness:
         """The term at one keypoint, the previous configuration being a constant."""
         return self if previous is None else replace(self, start=previous.configurations[-1])
+
+
+def smoothness_terms(context: TermContext) -> list[Smoothness]:
+    """One term in mode ``default``."""
+    return [Smoothness(context.settings.smoothness)] if context.task.model.mode == "default" else []
