@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
-from sbam.constraints import constraint_type
 from sbam.robots import Robot
 
 SHARED = (
@@ -48,13 +47,9 @@ def code_fingerprint(package: str) -> str:
     return fingerprint([(str(path.relative_to(root)), path.read_bytes()) for path in files])
 
 
-def constraint_fingerprint(name: str) -> str:
-    """Fingerprint of the file that defines a constraint type, which may be another distribution's.
-
-    Raises:
-        UnknownNameError: if there is no such type.
-    """
-    return fingerprint(Path(inspect.getfile(type(constraint_type(name)))).read_bytes())
+def definition_fingerprint(extension: object) -> str:
+    """Fingerprint of the file that defines the class of something that another distribution may have registered."""
+    return fingerprint(Path(inspect.getfile(type(extension))).read_bytes())
 
 
 def robot_fingerprint(robot: Robot) -> str:

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from sbam.batch.fingerprint import code_fingerprint, constraint_fingerprint, fingerprint, robot_fingerprint
+from sbam.batch.fingerprint import code_fingerprint, definition_fingerprint, fingerprint, robot_fingerprint
 from sbam.batch.kept_results import KeptResults, Key
 from sbam.batch.resumable import Progress, resumed
+from sbam.constraints import constraint_type
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.events import objects_that_move
 from sbam.errors import DemonstrationError, UnknownNameError
@@ -116,7 +117,8 @@ def evaluate_folds(
     robot_keys = {name: robot_fingerprint(robot) if robot else name for name, robot in robots.items()}
     common = code_fingerprint("evaluation"), fingerprint({name: library[name] for name in library})
     work = [(condition, fold) for condition in conditions for fold in folds]
-    types = {condition.constraint: constraint_fingerprint(condition.constraint) for condition in conditions}
+    names = {condition.constraint for condition in conditions}
+    types = {name: definition_fingerprint(constraint_type(name)) for name in names}
     prints = [
         fingerprint(*common, robot_keys[condition.robot], types[condition.constraint], condition, fold)
         for condition, fold in work
