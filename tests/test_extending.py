@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import sbam
+from sbam.planning.bind import bind
 from sbam.planning.keypoints.free_flight import solve_free_flight
 from sbam.planning.keypoints.terms import Term, TermContext
-from sbam.planning.task import bind
 
 RECORDINGS = [f"built-in:synthetic_pouring_juice_right_{index}" for index in range(3)]
 
