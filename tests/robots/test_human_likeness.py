@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import FileFormatError
-from sbam.robots import HumanLikeness, load_robot
+from sbam.robots import NaturalDirections, load_robot
 from sbam.robots.human_likeness import PERSON_ARM_LENGTH, natural_directions
 
 STEP = 1e-6
@@ -68,7 +68,7 @@ def test_hand_above_or_at_the_shoulder_is_finite():
 
 def test_value_is_the_equation_and_half_the_squared_residual(robot):
     mu = 0.7
-    term = HumanLikeness(robot, forearm_weight=mu)
+    term = NaturalDirections(robot, forearm_weight=mu)
     kinematics = robot.kinematics(configurations(robot, 20), term.frames)
     turn = robot.T_world_agent.rotation.inv()
     expected = np.zeros(20)
@@ -86,7 +86,7 @@ def test_value_is_the_equation_and_half_the_squared_residual(robot):
 
 
 def test_derivatives(robot):
-    term = HumanLikeness(robot, forearm_weight=0.5)
+    term = NaturalDirections(robot, forearm_weight=0.5)
     q = configurations(robot, 10, seed=1)
     kinematics = robot.kinematics(q, ["robot_base", *term.frames])
     jacobian, gradient = term.jacobian(kinematics), term.gradient(kinematics)
@@ -102,7 +102,7 @@ def test_derivatives(robot):
 def test_mirrored_posture_deviates_alike():
     """Panda: joints 1, 3, 5, 7 change sign under mirroring (joint 7 about its home of 45 degrees)."""
     robot = load_robot("panda_dual")
-    term = HumanLikeness(robot)
+    term = NaturalDirections(robot)
     q = configurations(robot, 20, seed=2)
     q[:, 7:] = q[:, :7] * [-1, 1, -1, 1, -1, 1, -1]
     q[:, 13] += np.pi / 2
@@ -112,7 +112,7 @@ def test_mirrored_posture_deviates_alike():
 
 
 def test_deviation_agrees_with_the_value(robot):
-    term = HumanLikeness(robot)
+    term = NaturalDirections(robot)
     kinematics = robot.kinematics(configurations(robot, 10), term.frames)
     cosines = np.cos(np.deg2rad(term.deviation(kinematics)))
     np.testing.assert_allclose((1 - cosines).sum(axis=(1, 2)), term.value(kinematics), atol=1e-12)
@@ -121,4 +121,4 @@ def test_deviation_agrees_with_the_value(robot):
 def test_coinciding_frames_are_refused(write_torso_robot):
     path = write_torso_robot({"elbow: left_fore": "elbow: left_upper"})
     with pytest.raises(FileFormatError, match=r"torso.yaml at \$.arms.left.elbow"):
-        HumanLikeness(load_robot(path))
+        NaturalDirections(load_robot(path))

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from sbam.errors import FileFormatError
-from sbam.robots import HumanLikeness, load_robot
+from sbam.robots import NaturalDirections, load_robot
 from sbam.robots.human_likeness import PERSON_ARM_LENGTH, natural_angles
 from sbam.robots.natural_joints import NaturalJoints
 
@@ -70,7 +70,7 @@ def test_mirrored_postures_are_equally_natural(name):
 def test_natural_joints_are_nearly_natural_directions(name):
     """Both forms mean the same posture; ARMAR-6's first shoulder axis is tilted by 15 degrees."""
     robot = load_robot(name)
-    term, directions = NaturalJoints(robot), HumanLikeness(robot)
+    term, directions = NaturalJoints(robot), NaturalDirections(robot)
     q = np.tile(robot.home, (1, 1))
     for _ in range(200):  # the hand moves with the arm: the natural posture of a hand that it leads to
         kinematics = robot.kinematics(q, term.frames)
@@ -90,7 +90,7 @@ def test_other_robots_have_no_such_joints():
 def test_swivel(side, outwards):
     """Lifting the elbow sideways turns it outwards: positive on the left, negative on the right."""
     robot = load_robot("armar6")
-    likeness = HumanLikeness(robot)
+    likeness = NaturalDirections(robot)
     arm = robot.arms[side]
     column = list(robot.arms).index(side)
     q = np.tile(robot.home, (2, 1))

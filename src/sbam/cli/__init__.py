@@ -12,27 +12,27 @@ from tyro.conf import FlagCreatePairsOff
 from tyro.extras import SubcommandApp
 
 from sbam.cli import recordings, robots, scenes
-from sbam.cli.add import Add
-from sbam.cli.demo import Demo
-from sbam.cli.evaluate import Evaluate
-from sbam.cli.learn import Learn
-from sbam.cli.plan import Plan
-from sbam.cli.reach import Reach
-from sbam.cli.show import Show
-from sbam.cli.simulate import Simulate
+from sbam.cli.add import AddVerb
+from sbam.cli.demo import DemoVerb
+from sbam.cli.evaluate import EvaluateVerb
+from sbam.cli.learn import LearnVerb
+from sbam.cli.plan import PlanVerb
+from sbam.cli.reach import ReachVerb
+from sbam.cli.show import ShowVerb
+from sbam.cli.simulate import SimulateVerb
 from sbam.console.running import run
 
 DESCRIPTION = "Teach a two-armed robot a task by showing it a few times. `sbam demo` shows all of it."
 
 app = SubcommandApp()
-app.command(name="learn")(Learn)
-app.command(name="add")(Add)
-app.command(name="show")(Show)
-app.command(name="plan")(Plan)
-app.command(name="reach")(Reach)
-app.command(name="simulate")(Simulate)
-app.command(name="evaluate")(Evaluate)
-app.command(name="demo")(Demo)
+app.command(name="learn")(LearnVerb)
+app.command(name="add")(AddVerb)
+app.command(name="show")(ShowVerb)
+app.command(name="plan")(PlanVerb)
+app.command(name="reach")(ReachVerb)
+app.command(name="simulate")(SimulateVerb)
+app.command(name="evaluate")(EvaluateVerb)
+app.command(name="demo")(DemoVerb)
 app.command(recordings.app, name="recordings", help="List, describe or write recordings.")
 app.command(scenes.app, name="scenes", help="List scenes, or write one to start from.")
 app.command(robots.app, name="robots", help="List robots, check one, or describe your own.")

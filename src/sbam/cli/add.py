@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Add(VerbOptions):
+class AddVerb(VerbOptions):
     """Add recordings to a model; the earlier ones are not needed."""
 
     model: Positional[ModelFile]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Demo(VerbOptions):
+class DemoVerb(VerbOptions):
     """Learn the built-in pouring demonstrations, plan a new scene on two Pandas, write everything there is to see."""
 
     output: Annotated[Path, arg(aliases=["-o"], metavar="DIR", help="Folder for what is written.")] = Path("out/demo")

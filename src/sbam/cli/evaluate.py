@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Evaluate(VerbOptions):
+class EvaluateVerb(VerbOptions):
     """Measure like the paper: cross-validate a task, or test a model on recordings that it was not learned from."""
 
     recordings: Positional[

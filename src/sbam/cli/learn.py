@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Learn(RecordingsOptions):
+class LearnVerb(RecordingsOptions):
     """Learn a model from recordings of a person doing one task."""
 
     output: Annotated[Path, arg(aliases=["-o"], metavar="MODEL", help="Where to write the model.")]

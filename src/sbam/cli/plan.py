@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plan(VerbOptions):
+class PlanVerb(VerbOptions):
     """Plan a learned action for a robot in a scene and write the trajectory."""
 
     model: Positional[ModelFile]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reach(VerbOptions):
+class ReachVerb(VerbOptions):
     """Say whether a robot reaches a scene, and where its base or the objects would have to be."""
 
     model: Positional[ModelFile]

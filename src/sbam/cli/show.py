@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Show(VerbOptions):
+class ShowVerb(VerbOptions):
     """Show what a model holds: roles, pairs by relevance, anchors, holds and keypoints."""
 
     model: Positional[ModelFile]

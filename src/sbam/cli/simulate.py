@@ -24,7 +24,7 @@ def _known_tasks(_: str) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Simulate(VerbOptions):
+class SimulateVerb(VerbOptions):
     """Try a written plan in physics: does the drink end up in the cup?"""
 
     plan: Positional[

@@ -15,7 +15,7 @@ from sbam.planning.plan import Plan
 from sbam.planning.settings import PlanSettings
 from sbam.planning.task import RoleHand, Task
 from sbam.planning.trajectory.trajectory import JointTrajectory
-from sbam.robots import HumanLikeness
+from sbam.robots import NaturalDirections
 
 Array = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ def executed_plan(plan: Plan) -> ExecutedMotion:
         rotation = Rotation.from_matrix(kinematics.rotation[:, index])
         T_agent_tcp = T_agent_world * RigidTransform.from_components(kinematics.position[:, index], rotation)
         poses[moved.role] = T_agent_tcp * plan.grasps[RoleHand(moved.role, moved.hands[0])].T_object_tcp.inv()
-    posture = HumanLikeness(robot)
+    posture = NaturalDirections(robot)
     deviation = posture.deviation(robot.kinematics(plan.solution.configurations, posture.frames))
     return ExecutedMotion(
         task=task,

@@ -9,7 +9,7 @@ import numpy as np
 from sbam.plain import plain, pose_dict
 from sbam.planning.keypoints.terms.human_likeness import human_likeness_weight
 from sbam.planning.plan import Plan
-from sbam.robots import HumanLikeness
+from sbam.robots import NaturalDirections
 from sbam.robots.human_likeness import PERSON_SWIVEL_DEG
 from sbam.robots.natural_joints import NaturalJoints, has_natural_joints
 
@@ -98,7 +98,7 @@ def plan_report(plan: Plan) -> dict[str, Any]:
 def _human_likeness(plan: Plan) -> dict[str, Any]:
     """How natural the arms' postures are at every keypoint, for the weight that was planned with."""
     robot, configurations = plan.robot, plan.solution.configurations
-    likeness = HumanLikeness(robot)
+    likeness = NaturalDirections(robot)
     kinematics = robot.kinematics(configurations, likeness.frames)
     deviation, swivel = likeness.deviation(kinematics), likeness.swivel(kinematics)
     joint_form = None

@@ -3,7 +3,7 @@
 from sbam.robots.collision import ClearanceReport, CollisionModel, NearPairs, ObjectHand
 from sbam.robots.collision_pairs import PAIR_CLASSES
 from sbam.robots.description import RobotDescription, read_description
-from sbam.robots.human_likeness import HumanLikeness
+from sbam.robots.human_likeness import NaturalDirections
 from sbam.robots.jacobian import point_jacobian, rotation_jacobian
 from sbam.robots.registry import ROBOTS, load_robot
 from sbam.robots.robot import Arm, Kinematics, Robot
@@ -14,8 +14,8 @@ __all__ = [
     "Arm",
     "ClearanceReport",
     "CollisionModel",
-    "HumanLikeness",
     "Kinematics",
+    "NaturalDirections",
     "NearPairs",
     "ObjectHand",
     "Robot",

@@ -18,7 +18,7 @@ from sbam.robots.robot import Arm, Kinematics, Robot
 Floats = NDArray[np.float64]
 
 PERSON_SWIVEL_DEG = {"left": 36.0, "right": -49.0}
-"""Swivel angles of people who pour and roll, measured; see `HumanLikeness.swivel`."""
+"""Swivel angles of people who pour and roll, measured; see `NaturalDirections.swivel`."""
 
 PERSON_ARM_LENGTH = 0.645
 """Shoulder to grasping hand of a person of average stature with a straight arm, m."""
@@ -80,7 +80,7 @@ def natural_directions(hand: Floats) -> tuple[Floats, Floats]:
     return direction, derivative
 
 
-class HumanLikeness:
+class NaturalDirections:
     """The term t_h = sum over arms of (1 - u_robot . u) + mu (1 - f_robot . f).
 
     u and f are the natural directions of upper arm and forearm. With the residual r of `residual` it is r . r / 2, so

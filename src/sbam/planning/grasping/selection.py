@@ -15,7 +15,7 @@ from sbam.errors import UnreachableError
 from sbam.planning.grasping.candidates import Grasp, candidate_grasps
 from sbam.planning.grasping.follow_outwards import follow_outwards, solve_hand
 from sbam.planning.task import MovedObject, RoleHand, Task
-from sbam.robots import HumanLikeness, ObjectHand, Robot
+from sbam.robots import NaturalDirections, ObjectHand, Robot
 from sbam.robots.collision import CollisionModel
 
 Array = NDArray[np.float64]
@@ -124,7 +124,7 @@ class _Posture:
     def __init__(self, robot: Robot, hand: Hand, weight: float) -> None:
         self._robot, self._weight = robot, weight
         self._arm = list(robot.arms).index(hand)
-        self._human = HumanLikeness(robot) if weight > 0.0 else None
+        self._human = NaturalDirections(robot) if weight > 0.0 else None
 
     def cost(self, configurations: Array) -> Array:
         """(...) of configurations (..., n)."""

@@ -5,17 +5,17 @@ import pytest
 from scipy.spatial.transform import RigidTransform
 
 from sbam.planning.keypoints.state import Workspace
-from sbam.planning.keypoints.terms import NaturalJoints
+from sbam.planning.keypoints.terms import JointHumanLikeness
 from sbam.robots import load_robot
-from sbam.robots.natural_joints import NaturalJoints as Posture
+from sbam.robots.natural_joints import NaturalJoints
 
 
 @pytest.fixture
 def case():
     robot = load_robot("armar6").placed_for(RigidTransform.identity())
-    posture = Posture(robot)
+    posture = NaturalJoints(robot)
     q = robot.clip(robot.home + np.random.default_rng(4).normal(0, 0.3, (5, len(robot.home))))
-    return NaturalJoints(3.0, posture, tuple(robot.arms)), Workspace(robot, [], [], posture.frames).state(q)
+    return JointHumanLikeness(3.0, posture, tuple(robot.arms)), Workspace(robot, [], [], posture.frames).state(q)
 
 
 def test_jacobian_is_that_of_differences(case, agrees_with_differences, is_the_row_of_the_whole):

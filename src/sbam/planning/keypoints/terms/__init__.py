@@ -8,7 +8,7 @@ from sbam.planning.keypoints.terms.clearance import Clearance
 from sbam.planning.keypoints.terms.context import TermContext, TermFactory
 from sbam.planning.keypoints.terms.damping import Damping
 from sbam.planning.keypoints.terms.human_likeness import HumanLikeness
-from sbam.planning.keypoints.terms.natural_joints import NaturalJoints
+from sbam.planning.keypoints.terms.natural_joints import JointHumanLikeness
 from sbam.planning.keypoints.terms.requirements import Closure, Resting
 from sbam.planning.keypoints.terms.rows import NormalEquations, Rows
 from sbam.planning.keypoints.terms.similarity import Similarity
@@ -24,7 +24,7 @@ __all__ = [
     "Closure",
     "Damping",
     "HumanLikeness",
-    "NaturalJoints",
+    "JointHumanLikeness",
     "NormalEquations",
     "Resting",
     "Rows",

@@ -11,8 +11,7 @@ from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
 from sbam.planning.keypoints.terms.context import TermContext
 from sbam.planning.settings import PlanSettings
-from sbam.robots import HumanLikeness as Posture
-from sbam.robots import Robot
+from sbam.robots import NaturalDirections, Robot
 
 DEFAULT_WEIGHT = 3.0  # lambda_h of robots whose arms are like a person's
 
@@ -41,7 +40,7 @@ class HumanLikeness(Term):
     about_posture: ClassVar[bool] = True
 
     weight: float
-    posture: Posture
+    posture: NaturalDirections
 
     @property
     def frames(self) -> tuple[str, ...]:
@@ -66,8 +65,8 @@ class HumanLikeness(Term):
 
 
 def human_likeness_terms(context: TermContext) -> list[HumanLikeness]:
-    """One term, unless its weight is 0 or ``posture`` asks for `NaturalJoints` instead."""
+    """One term, unless its weight is 0 or ``posture`` asks for `JointHumanLikeness` instead."""
     weight = human_likeness_weight(context.robot, context.settings)
     if context.free_flight or not weight or context.settings.posture != "directions":
         return []
-    return [HumanLikeness(weight, Posture(context.robot))]
+    return [HumanLikeness(weight, NaturalDirections(context.robot))]

@@ -11,11 +11,11 @@ from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
 from sbam.planning.keypoints.terms.context import TermContext
 from sbam.planning.keypoints.terms.human_likeness import human_likeness_weight
-from sbam.robots.natural_joints import NaturalJoints as Posture
+from sbam.robots.natural_joints import NaturalJoints
 
 
 @dataclass(frozen=True)
-class NaturalJoints(Term):
+class JointHumanLikeness(Term):
     r"""t_h in joint space (paper, section III-D, as reconstructed).
 
     .. math:: t_h(\theta) = \lambda_h \sum_{\text{arms}} \mathrm{SOA}_q, \qquad
@@ -32,7 +32,7 @@ class NaturalJoints(Term):
     about_posture: ClassVar[bool] = True
 
     weight: float
-    posture: Posture
+    posture: NaturalJoints
     arms: tuple[str, ...]
 
     @property
@@ -54,14 +54,14 @@ class NaturalJoints(Term):
         """The arms."""
         return self.arms
 
-    def at(self, keypoint: int, previous: State | None) -> NaturalJoints:
+    def at(self, keypoint: int, previous: State | None) -> JointHumanLikeness:
         """The same term: it knows no keypoint."""
         return self
 
 
-def natural_joints_terms(context: TermContext) -> list[NaturalJoints]:
+def natural_joints_terms(context: TermContext) -> list[JointHumanLikeness]:
     """One term where ``posture`` asks for it and its weight is not 0."""
     weight = human_likeness_weight(context.robot, context.settings)
     if context.free_flight or not weight or context.settings.posture != "joints":
         return []
-    return [NaturalJoints(weight, Posture(context.robot), context.arms)]
+    return [JointHumanLikeness(weight, NaturalJoints(context.robot), context.arms)]
