@@ -129,6 +129,8 @@ def _schema(hint: Any, matrix: bool = False) -> Any:
 
 def _array_dtype(hint: Any) -> type[np.generic] | None:
     """The type of the numbers in an array, None if the hint is that of something else."""
+    if getattr(hint, "array_type", None) is np.ndarray:  # jaxtyping's Float[np.ndarray, "..."] and its kin
+        return np.float64 if "float64" in hint.dtypes else np.int64
     origin, arguments = get_origin(hint), get_args(hint)
     if origin is np.ndarray:
         return get_args(arguments[1])[0]
