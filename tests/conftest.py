@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import Phase, settings
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.scenes import starting_scene
@@ -18,6 +19,10 @@ from sbam.scene import ObjectLibrary, Scene, upright_rotation
 from sbam.tasks.action import Action
 
 REPOSITORY = Path(__file__).parents[1]
+
+if "MUTANT_UNDER_TEST" in os.environ:  # an example that finds a planted fault need not be made small
+    settings.register_profile("mutants", phases=(Phase.explicit, Phase.generate), database=None)
+    settings.load_profile("mutants")
 
 
 @pytest.fixture(scope="session")
