@@ -13,7 +13,7 @@ from sbam.batch.fingerprint import SHARED
 PACKAGE = Path(__file__).parents[1] / "src" / "sbam"
 
 BASE = {"errors", "extensions", "files", "schema", "plain"}
-LEARNING = BASE | {"scene", "demonstrations", "constraints", "learning"}
+LEARNING = BASE | {"constraints", "scene", "demonstrations", "learning"}
 PLANNING = LEARNING | {"robots", "planning"}
 ALL = PLANNING | {"tasks", "batch", "simulation", "evaluation", "viewer", "export", "plots"}
 
@@ -23,9 +23,9 @@ BELOW: Mapping[str, set[str]] = {
     "files": {"errors"},
     "schema": {"errors"},
     "plain": set(),
-    "scene": BASE,
-    "demonstrations": BASE | {"scene"},
-    "constraints": BASE | {"scene", "demonstrations"},
+    "constraints": BASE,
+    "scene": BASE | {"constraints"},
+    "demonstrations": BASE | {"constraints", "scene"},
     "learning": LEARNING - {"learning"},
     "robots": BASE | {"scene"},
     "planning": PLANNING - {"planning"},
@@ -44,6 +44,28 @@ BELOW: Mapping[str, set[str]] = {
     "__main__": {"cli"},
 }
 """Room (folder or file directly in the package) -> the rooms that it may import from, beside itself."""
+
+TASK = {"settings", "task"}
+STAGES = {"grasping", "keypoints", "motion", "trajectory"}
+
+BELOW_IN_PLANNING: Mapping[str, set[str]] = {
+    "": set(),
+    "settings": set(),
+    "stopwatch": set(),
+    "start": set(),
+    "variant": set(),
+    "task": {"settings"},
+    "bind": TASK,
+    "grasping": TASK,
+    "keypoints": TASK,
+    "motion": TASK | {"grasping", "keypoints"},
+    "trajectory": TASK | {"grasping", "motion"},
+    "search": TASK | STAGES | {"stopwatch"},
+    "plan": TASK | STAGES | {"stopwatch", "start", "variant", "bind", "search"},
+    "report": TASK | STAGES | {"plan"},
+    "placement": TASK | STAGES | {"start", "variant", "bind", "plan"},
+}
+"""The same for the rooms of planning."""
 
 
 def module_name(path: Path, package: Path) -> str:
@@ -78,20 +100,40 @@ def imports(path: Path, package: Path, modules: set[str]) -> Iterator[tuple[str,
             yield inside, node.lineno
 
 
-def problems(package: Path, below: Mapping[str, set[str]]) -> list[str]:
-    """Every import that goes upwards, every room without a floor and the first circle, a sentence each."""
+def is_within(module: str, room: str) -> bool:
+    """Whether a module is a room's own ``__init__`` or inside it."""
+    return not room or module == room or module.startswith(f"{room}.")
+
+
+def room_of(module: str, within: str) -> str:
+    """The room of a module among those within another one; empty for an ``__init__``."""
+    return module[len(within) :].lstrip(".").partition(".")[0]
+
+
+def problems(package: Path, below: Mapping[str, set[str]], within: str = "") -> list[str]:
+    """Every import that goes upwards, every room without a floor and the first circle, a sentence each.
+
+    Args:
+        package: the package's folder.
+        below: room -> rooms that it may import from.
+        within: the room whose own rooms are meant; none: those of the package.
+    """
     files = sorted(package.rglob("*.py"))
     modules = {module_name(path, package) for path in files}
     found: list[str] = []
     graph: dict[str, set[str]] = {}
     for path in files:
         own = module_name(path, package)
-        room = own.partition(".")[0]
+        if not is_within(own, within):
+            continue
+        room = room_of(own, within)
         if room not in below:
             found.append(f"{path.name}: room {room!r} has no floor")
             continue
         for target, line in imports(path, package, modules):
-            other = target.partition(".")[0]
+            if not is_within(target, within):
+                continue
+            other = room_of(target, within)
             if other != room and other not in below[room]:
                 found.append(
                     f"{own or package.name}, line {line}: imports {target or package.name}, not below {room!r}"
@@ -108,8 +150,13 @@ def test_every_room_imports_only_from_below() -> None:
     assert problems(PACKAGE, BELOW) == []
 
 
-def test_the_floors_themselves_have_no_circle() -> None:
-    assert set(TopologicalSorter(BELOW).static_order()) >= set(BELOW)
+def test_the_rooms_of_planning_import_only_from_below() -> None:
+    assert problems(PACKAGE, BELOW_IN_PLANNING, "planning") == []
+
+
+@pytest.mark.parametrize("floors", [BELOW, BELOW_IN_PLANNING], ids=["package", "planning"])
+def test_the_floors_themselves_have_no_circle(floors) -> None:
+    assert set(TopologicalSorter(floors).static_order()) >= set(floors)
 
 
 def test_a_fingerprint_covers_all_that_a_result_may_depend_on() -> None:
@@ -120,13 +167,13 @@ def test_a_fingerprint_covers_all_that_a_result_may_depend_on() -> None:
 def house(tmp_path: Path):
     """Builds a small package from file name -> source and returns its problems."""
 
-    def build(**sources: str) -> list[str]:
+    def build(within: str = "", **sources: str) -> list[str]:
         package = tmp_path / "sbam"
         for name, source in {"__init__": "", "scene/__init__": "", "learning/__init__": "", **sources}.items():
             path = package / f"{name}.py"
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(textwrap.dedent(source))
-        return problems(package, BELOW)
+        return problems(package, BELOW_IN_PLANNING, within) if within else problems(package, BELOW)
 
     return build
 
@@ -152,6 +199,12 @@ def test_an_upward_import_is_found_however_it_is_written(house, source: str) -> 
     (problem,) = house(**{"learning/model": "ActionModel = 1", "scene/low": source})
     assert "scene.low, line" in problem
     assert "not below 'scene'" in problem
+
+
+def test_an_upward_import_within_a_room_is_found(house) -> None:
+    sources = {"planning/__init__": "", "planning/task": "from sbam.planning import search", "planning/search": ""}
+    (problem,) = house(within="planning", **sources)
+    assert problem == "planning.task, line 1: imports planning.search, not below 'task'"
 
 
 def test_the_public_api_is_not_imported_from_within(house) -> None:
