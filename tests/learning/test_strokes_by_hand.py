@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from sbam.demonstrations.events import Event
-from sbam.learning.strokes import LEAST_STROKES, strokes
+from sbam.learning import LearningSettings
+from sbam.learning.sketch import DemonstrationSketch, SketchedRole
+from sbam.learning.strokes import LEAST_STROKES, equalize_sketches, strokes
 
 FORTH, BACK, ASIDE = (np.array(v, dtype=float) for v in ([0, 1, 0], [0, -1, 0], [1, 0, 0]))
 
@@ -53,3 +55,19 @@ def test_directions_alternate_below_a_cosine(cosine, count):
 
 def test_how_many_make_strokes():
     assert LEAST_STROKES == 4
+
+
+def test_the_number_of_strokes_is_the_lower_median():
+    """Of 4, 6 and 6 six; of 4, 4, 6 and 6 four: those that lack a cycle are left out."""
+
+    def shown(name, count) -> DemonstrationSketch:
+        events = tuple(reversal(1.0 + k, FORTH if k % 2 else BACK) for k in range(count))
+        return DemonstrationSketch(name, 10.0, False, (SketchedRole("pin", "a pin", (), True),), events, (), ())
+
+    settings = LearningSettings.default()
+    kept, notes = equalize_sketches([shown("a", 4), shown("b", 6), shown("c", 6)], settings)
+    assert [sketch.name for sketch in kept] == ["b", "c"]
+    assert notes == ("a is left out: 4 reversals of pin, the others have 6",)
+    kept, _ = equalize_sketches([shown("a", 4), shown("b", 6), shown("c", 4), shown("d", 6)], settings)
+    assert [len(strokes(sketch.events, "pin")) for sketch in kept] == [4, 4, 4, 4]
+    assert [sketch.duration for sketch in kept] == [10.0, 8.0, 10.0, 8.0]

@@ -1,10 +1,14 @@
 """What is checked of an execution: names, units and limits; and the torques that gravity alone makes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import RigidTransform
 
+from sbam.planning.start import in_agent_frame
 from sbam.planning.trajectory.trajectory import JointTrajectory
-from sbam.planning.trajectory.verification import _stride
+from sbam.planning.trajectory.verification import _check_torques, _stride
 
 
 def test_units_and_limits_of_the_checks(small_plan):
@@ -56,3 +60,21 @@ def test_torques_are_looked_at_50_times_a_second(rate, stride):
     """Or at each sample, if there are fewer."""
     time, none = np.arange(5) / rate, np.zeros((5, 1))
     assert _stride(JointTrajectory(("joint",), time, none, none, none), 50.0) == stride
+
+
+def test_only_what_is_lifted_weighs_on_the_arms(small_plan):
+    """Standing still at home: 15 kg at their start add nothing, a centimetre above they do."""
+    robot, task = in_agent_frame(small_plan.robot), small_plan.task
+    zero = np.zeros((3, len(robot.joint_names)))
+    still = JointTrajectory(robot.joint_names, np.array([0.0, 0.02, 0.04]), zero + robot.home, zero, zero)
+    heavy = replace(task, moved=tuple(replace(m, model=replace(m.model, mass=15.0)) for m in task.moved))
+    worst = {}
+    for name, of, up in (("light", task, 0.0), ("heavy", heavy, 0.0), ("lifted", heavy, 0.01)):
+        poses = {
+            moved.name: RigidTransform.from_components(
+                np.tile(moved.start.translation + np.array([0.0, 0.0, up]), (3, 1)), moved.start.rotation
+            )
+            for moved in of.moved
+        }
+        worst[name] = _check_torques(of, robot, poses, small_plan.grasps, still).worst
+    assert worst["light"] == worst["heavy"] < 0.9 * worst["lifted"]
