@@ -8,10 +8,13 @@ from sbam.constraints.cylindrical import Cylindrical
 from sbam.constraints.region_pair import RegionPair, RegionReference
 from sbam.constraints.symbolic import SPATIAL_RELATIONS, SpatialRelation, Symbolic
 from sbam.errors import UnknownNameError
-from sbam.extensions import registered
+from sbam.extensions import BUILT_IN, registered
 
 CONSTRAINT_TYPES: Mapping[str, ConstraintType] = registered("sbam.constraints", ConstraintType)
 """The constraint types by name, in mode ``default``, those that other distributions register included."""
+
+BUILT_IN_CONSTRAINTS = tuple(BUILT_IN["sbam.constraints"])
+"""Names of the paper's types."""
 
 CARTESIAN = Cartesian.name
 """The type whose channels are the vector itself, which some pairs have in models of every type."""
@@ -30,6 +33,7 @@ def constraint_type(name: str) -> ConstraintType:
 
 
 __all__ = [
+    "BUILT_IN_CONSTRAINTS",
     "CARTESIAN",
     "CONSTRAINT_TYPES",
     "SPATIAL_RELATIONS",

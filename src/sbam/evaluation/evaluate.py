@@ -11,7 +11,7 @@ from typing import Any
 import msgspec
 
 from sbam.batch.table import Table, write_tables
-from sbam.constraints import constraint_type
+from sbam.constraints import BUILT_IN_CONSTRAINTS, constraint_type
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.loading import BUILT_IN, load
 from sbam.demonstrations.synthetic import BUILT_IN_TASKS, BuiltInTask, built_in_demonstrations
@@ -30,7 +30,7 @@ def evaluate(
     train: Sequence[str | Path] = (),
     train_objects: Sequence[str] = (),
     robot: str = FLYING_HANDS,
-    constraints: Sequence[str] = ("cartesian", "cylindrical", "symbolic"),
+    constraints: Sequence[str] = BUILT_IN_CONSTRAINTS,
     modes: Sequence[str] = ("default",),
     solvers: Sequence[str] = ("default",),
     prune: float | None = None,

@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from sbam.batch.fingerprint import code_fingerprint, fingerprint, robot_fingerprint
+from sbam.batch.fingerprint import code_fingerprint, definition_fingerprint, fingerprint, robot_fingerprint
 from sbam.batch.kept_results import KeptResults, Key
 from sbam.batch.resumable import Progress, resumed
+from sbam.constraints import BUILT_IN_CONSTRAINTS, constraint_type
 from sbam.demonstrations.synthetic import BUILT_IN_TASKS
 from sbam.errors import UnknownNameError
 from sbam.files import write_atomically
@@ -29,7 +30,7 @@ def sweep(
     folder: str | Path,
     tasks: Sequence[str] = ("pouring",),
     robots: Sequence[str] = ("panda_dual",),
-    constraints: Sequence[str] = ("cartesian", "cylindrical", "symbolic"),
+    constraints: Sequence[str] = BUILT_IN_CONSTRAINTS,
     modes: Sequence[Mode] = ("default",),
     scenes: int = 20,
     paper_scenes: int | None = None,
@@ -58,7 +59,7 @@ def sweep(
         A report with ``rows`` (one a trial), ``cells`` (one a condition) and ``files``.
 
     Raises:
-        UnknownNameError: for an unknown task or robot.
+        UnknownNameError: for an unknown task, robot or constraint type.
         FileFormatError: if a robot's description cannot be used.
         ClusterError: if the cluster does not answer.
     """
@@ -67,6 +68,7 @@ def sweep(
         if task not in BUILT_IN_TASKS:
             raise UnknownNameError("task", task, BUILT_IN_TASKS, "sweeps")
     robot_keys = {robot: robot_fingerprint(load_robot(robot)) for robot in robots}
+    types = {name: definition_fingerprint(constraint_type(name)) for name in constraints}
     counts = {
         mode: scenes if mode == "default" or paper_scenes is None else min(scenes, paper_scenes) for mode in modes
     }
@@ -79,7 +81,7 @@ def sweep(
         for constraint in constraints
     ]
     version = code_fingerprint("simulation")
-    keys = [Key(case.name, fingerprint(version, robot_keys[case.robot])) for case in cases]
+    keys = [Key(case.name, fingerprint(version, robot_keys[case.robot], types[case.constraint])) for case in cases]
     kept = KeptResults(folder / TRIALS, dict[str, Any], any_version)
 
     def piece(index: int) -> tuple[Callable[..., Any], tuple[Any, ...]]:
