@@ -228,10 +228,14 @@ def test_damaged_kit_frames_agree_with_the_markers_after_repair(recordings_folde
 
 def test_other_recordings_are_clean_at_every_rate(recordings_folder):
     paths = [*recordings_folder.glob("kit_bimanual/*.xml"), *recordings_folder.glob("mmlfd_pouring/*.csv")]
-    assert len(paths) == 10
+    assert len(paths) >= 10
     for path in paths:
+        if path.name.startswith("Open"):
+            with pytest.raises(DemonstrationError, match=r"frames 0 to 11 .* of apple_juice_lid are damaged"):
+                read_demonstration(path)
+            continue
         demonstration = read_demonstration(path)
-        if not path.name.startswith(("Stir", "Close")):
+        if not path.name.startswith(("Stir", "Close", "Cut")):
             assert not any("damaged" in note for note in demonstration.notes)
         for rate in (100.0, 30.0, 10.0, 5.0):
             assert repair_demonstration(sampled := resample(demonstration, rate)) is sampled

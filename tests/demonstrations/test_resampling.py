@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import RigidTransform, Rotation
 
@@ -31,6 +31,7 @@ def test_ends_are_held_and_same_times_change_nothing():
     np.testing.assert_allclose(single.as_matrix(), POSES.as_matrix()[[0, 0, 0, 0]], atol=1e-12)
 
 
+@settings(deadline=None)
 @given(st.floats(1.0, 500.0))
 def test_resampled_at_an_even_rate(rate):
     old = Demonstration("d", TIME, {"cup": POSES}, {"left": POSES}, RigidTransform.identity(), notes=("n",))

@@ -8,10 +8,10 @@ import sbam.robots
 from sbam.demonstrations.events import Event
 from sbam.demonstrations.scenes import starting_scene
 from sbam.demonstrations.synthetic import generate_rolling
-from sbam.evaluation import measure_rolling
 from sbam.learning import LearningSettings, add_demonstration, learn
 from sbam.learning.strokes import cut_sketch, equalize_sketches, strokes
 from sbam.planning.plan import plan
+from sbam.tasks import measure_rolling
 
 FLYING_HANDS = Path(sbam.robots.__file__).parent / "models" / "flying_hands.yaml"
 SETTINGS = LearningSettings.default()

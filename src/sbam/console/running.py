@@ -51,7 +51,7 @@ def run(verb: Verb) -> int:
     Returns:
         The exit code: 0 if it did its job, 1 if not, 130 if interrupted.
     """
-    name = type(verb).__name__.lower()
+    name = type(verb).__name__.removesuffix("Verb").lower()
     report: Report
     try:
         report = {"verb": name, "ok": True, "problems": [], **verb()}

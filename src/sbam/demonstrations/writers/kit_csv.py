@@ -15,6 +15,8 @@ from sbam.demonstrations.demonstration import Demonstration, Hand
 from sbam.demonstrations.readers.kit_csv import AGENT, AXES, HANDS, LABELS, SYNTHETIC, TIME
 from sbam.demonstrations.writers.recording_writer import RecordingWriter
 
+ROUNDING = 1e-6  # s by which labels of single precision miss the frames that they mean
+
 
 def encode(demonstration: Demonstration) -> bytes:
     """The content of the file, UTF-8."""
@@ -57,7 +59,8 @@ def _label_column(demonstration: Demonstration, hand: Hand) -> list[str]:
         if label.hand == hand:
             text = f"{label.action}:{label.target}" if label.target else label.action
             for k, time in enumerate(demonstration.time):
-                if label.start <= time < label.end or time == label.end == demonstration.time[-1]:
+                ends_here = k == len(cells) - 1 and abs(label.end - time) < ROUNDING
+                if label.start - ROUNDING < time < label.end - ROUNDING or ends_here:
                     cells[k] = text
     return cells
 
