@@ -33,7 +33,7 @@ class Holding:
         keypoint_times: on the model's time axis, s.
         torso: the torso's joints at the keypoints.
         paths: role -> path of its object at every tick from before the lift to after the place.
-        configurations: (role, hand) -> from lift to place.
+        configurations: (role, hand) -> those from lift to place.
         timeline: all of them together; before its grasp and after its release a hand stays there.
     """
 
