@@ -116,7 +116,7 @@ def _add(
     kind: mujoco.mjtGeom,
     size: tuple[float, float, float],
     position: Float[np.ndarray, " 3"],
-    rotation: Float[np.ndarray, "..."],
+    rotation: Float[np.ndarray, "3 3"],
     rgba: tuple[float, float, float, float],
 ) -> None:
     mujoco.mjv_initGeom(
