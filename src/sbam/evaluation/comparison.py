@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.batch.table import Cell, Table
 from sbam.evaluation.fold import FoldResult
 from sbam.evaluation.metrics import PERSON, PairDistances
 
-Array = NDArray[np.float64]
 Measure = Callable[[FoldResult], float | None]
 
 RESAMPLES = 2000
@@ -137,8 +136,8 @@ def paired_difference(
     return float(ours.mean()), float(theirs.mean()), float((theirs - ours).mean()), low, high, float(len(both))
 
 
-def bootstrap_interval(values: Array, seed: int = 0) -> tuple[float, float]:
-    """Percentile bootstrap interval of the mean of values (N,); of a single value, itself twice."""
+def bootstrap_interval(values: Float[np.ndarray, " values"], seed: int = 0) -> tuple[float, float]:
+    """Percentile bootstrap interval of the mean of values; of a single value, itself twice."""
     if len(values) < 2:
         return float(values[0]), float(values[0])
     from scipy.stats import bootstrap

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.planning.keypoints.free_flight import solve_free_flight
@@ -17,8 +17,6 @@ from sbam.planning.task import RoleHand, Task
 from sbam.planning.trajectory.trajectory import JointTrajectory
 from sbam.robots import NaturalDirections
 
-Array = NDArray[np.float64]
-
 FLIGHT_STEP = 0.01  # s between the samples of a flight
 
 
@@ -28,10 +26,10 @@ class ExecutedMotion:
 
     Attributes:
         task: the model bound to the scene.
-        keypoint_poses: role -> K optimised poses of every moved object at the model's keypoints, agent frame.
-        time: (N,) s from the first sample.
-        model_time: (N,) time on the model's axis of every sample, s.
-        T_agent_object: object name -> N poses of every moved object, agent frame.
+        keypoint_poses: role -> optimised poses of every moved object at the model's keypoints, agent frame.
+        time: from the first sample, s.
+        model_time: time on the model's axis of every sample, s.
+        T_agent_object: object name -> poses of every moved object, agent frame.
         objective: exact objective of the optimised keypoints.
         human_deviation: mean angle between the arms and a person's natural posture at the keypoints, degrees; None
             without arms.
@@ -41,8 +39,8 @@ class ExecutedMotion:
 
     task: Task
     keypoint_poses: Mapping[str, RigidTransform]
-    time: Array
-    model_time: Array
+    time: Float[np.ndarray, " samples"]
+    model_time: Float[np.ndarray, " samples"]
     T_agent_object: Mapping[str, RigidTransform]
     objective: float
     human_deviation: float | None

@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.holds import find_holds
 from sbam.learning.learn import learn
 from sbam.scene import ObjectLibrary
-
-Array = NDArray[np.float64]
 
 HAND_FREE = ("idle", "approach", "retreat")
 """Actions during which a hand holds nothing."""
@@ -25,17 +23,17 @@ class KeyEventErrors:
 
     Attributes:
         name: of the recording.
-        grasps: (G,) found minus labelled time of every labelled grasp, s; NaN where none was found.
-        releases: (G,) the same for releases.
-        boundaries: (B,) distance from every label boundary inside the recording to the nearest keypoint of a model of
+        grasps: found minus labelled time of every labelled grasp, s; NaN where none was found.
+        releases: the same for releases.
+        boundaries: distance from every label boundary inside the recording to the nearest keypoint of a model of
             this recording alone, s.
         spacing: mean distance of such keypoints, s: random boundaries are a quarter of it away from evenly spaced ones.
     """
 
     name: str
-    grasps: Array
-    releases: Array
-    boundaries: Array
+    grasps: Float[np.ndarray, " grasps"]
+    releases: Float[np.ndarray, " grasps"]
+    boundaries: Float[np.ndarray, " boundaries"]
     spacing: float
 
 

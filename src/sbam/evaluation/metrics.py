@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionPair
@@ -21,8 +21,6 @@ from sbam.tasks.geometry import measure_put_down
 from sbam.tasks.object_motion import region_points, roles_poses
 from sbam.tasks.pouring.geometry import ABOUT_TO_POUR_DISTANCE, ABOUT_TO_POUR_TILT, measure_pouring
 from sbam.tasks.rolling.geometry import measure_rolling, turning_points
-
-Array = NDArray[np.float64]
 
 SPREAD_FLOOR = 0.005  # m: spreads below it count as it, as in the weights of the planner
 DENSE_SAMPLES = 400
@@ -191,20 +189,24 @@ def _rolling(motion: ExecutedMotion, person: PersonMotion) -> dict[str, float]:
     return values
 
 
-def _dense(motion: ExecutedMotion) -> tuple[Array, Mapping[str, RigidTransform]]:
+def _dense(motion: ExecutedMotion) -> tuple[Float[np.ndarray, " samples"], Mapping[str, RigidTransform]]:
     """Object poses on an even grid of the model's clock."""
     clock = np.linspace(0.0, motion.task.model.duration, DENSE_SAMPLES)
     samples = np.searchsorted(motion.model_time, clock).clip(0, len(motion.model_time) - 1)
     return clock, {role: poses[samples] for role, poses in roles_poses(motion).items()}
 
 
-def _vector(task: Task, poses: Mapping[str, RigidTransform], pair: RegionPair, count: int) -> Array:
+def _vector(
+    task: Task, poses: Mapping[str, RigidTransform], pair: RegionPair, count: int
+) -> Float[np.ndarray, "samples 3"]:
     assert pair.second is not None
     return region_points(task, poses, pair.first, count) - region_points(task, poses, pair.second, count)
 
 
-def _demonstrated(person: PersonMotion, poses: Mapping[str, RigidTransform], pair: RegionPair) -> Array:
-    """The person's vector (K, 3) between regions of the person's own objects in K poses."""
+def _demonstrated(
+    person: PersonMotion, poses: Mapping[str, RigidTransform], pair: RegionPair
+) -> Float[np.ndarray, "samples 3"]:
+    """The person's vector between regions of the person's own objects in some poses."""
     assert pair.second is not None
     first, second = (
         poses[reference.role].apply(person.models[reference.role].region(reference.affordance).center)
@@ -213,8 +215,8 @@ def _demonstrated(person: PersonMotion, poses: Mapping[str, RigidTransform], pai
     return first - second
 
 
-def _spread(vectors: Sequence[Array]) -> tuple[float, ...]:
-    """Norm (K) of the standard deviation over demonstrations of vectors (K, 3), mm; 0 of a single one."""
+def _spread(vectors: Sequence[Float[np.ndarray, "samples 3"]]) -> tuple[float, ...]:
+    """Norm of the standard deviation over demonstrations of vectors, mm; 0 of a single one."""
     if len(vectors) < 2:
         return (0.0,) * len(vectors[0])
     return _millimetres(np.std(vectors, axis=0, ddof=1))
@@ -224,10 +226,12 @@ def _second(pair: RegionPair) -> str:
     return pair.second.affordance if pair.second is not None else ""
 
 
-def _angles(first: Array, second: Array) -> Array:
-    """Angles (K,) between unit vectors (K, 3), rad."""
+def _angles(
+    first: Float[np.ndarray, "samples 3"], second: Float[np.ndarray, "samples 3"]
+) -> Float[np.ndarray, " samples"]:
+    """Angles between unit vectors, rad."""
     return np.arctan2(np.linalg.norm(np.cross(first, second), axis=1), np.einsum("ki,ki->k", first, second))
 
 
-def _millimetres(vectors: Array) -> tuple[float, ...]:
+def _millimetres(vectors: Float[np.ndarray, "samples 3"]) -> tuple[float, ...]:
     return tuple((1e3 * np.linalg.norm(vectors, axis=1)).tolist())

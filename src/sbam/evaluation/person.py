@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.demonstration import Demonstration
@@ -18,16 +18,14 @@ from sbam.learning.roles import bind_roles
 from sbam.learning.settings import AlignmentEvent
 from sbam.scene import ObjectLibrary, ObjectModel
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Anchors:
-    """Recurring events on a model's time axis: kinds (A), roles (A) and times (A,) s."""
+    """Recurring events on a model's time axis: kinds, roles and times, s."""
 
     kinds: tuple[str, ...]
     roles: tuple[str | None, ...]
-    times: Array
+    times: Float[np.ndarray, " anchors"]
 
 
 @dataclass(frozen=True)
@@ -38,30 +36,30 @@ class PersonMotion:
         name: name of the demonstration.
         synthetic: whether the project generated it.
         models: role -> model of the object that plays it.
-        time: (T,) s from the start.
-        T_agent_role: role -> T poses, agent frame.
-        own_anchors: (A,) when the model's anchors occur, s.
+        time: from the start, s.
+        T_agent_role: role -> poses, agent frame.
+        own_anchors: when the model's anchors occur, s.
         anchors: the model's anchors.
     """
 
     name: str
     synthetic: bool
     models: Mapping[str, ObjectModel]
-    time: Array
+    time: Float[np.ndarray, " samples"]
     T_agent_role: Mapping[str, RigidTransform]
-    own_anchors: Array
+    own_anchors: Float[np.ndarray, " anchors"]
     anchors: Anchors
 
-    def aligned(self, times: Array) -> Array:
-        """Own times (K,) s at which the person was where the model is at ``times`` (K,) s, by events."""
+    def aligned(self, times: Float[np.ndarray, " times"]) -> Float[np.ndarray, " times"]:
+        """Own times at which the person was where the model is at ``times``, s, by events."""
         return warp(times, self.anchors.times, self.own_anchors)
 
-    def on_model_axis(self, own: Array) -> Array:
-        """The model's times (K,) s that correspond by events to the person's own times."""
+    def on_model_axis(self, own: Float[np.ndarray, " times"]) -> Float[np.ndarray, " times"]:
+        """The model's times that correspond by events to the person's own times, s."""
         return warp(own, self.own_anchors, self.anchors.times)
 
-    def poses_at(self, own: Array) -> dict[str, RigidTransform]:
-        """Role -> K poses at the person's own times (K,) s; clamped to the recording."""
+    def poses_at(self, own: Float[np.ndarray, " times"]) -> dict[str, RigidTransform]:
+        """Role -> poses at the person's own times, s; clamped to the recording."""
         own = np.clip(own, self.time[0], self.time[-1])
         return {role: _interpolated(self.time, pose, own) for role, pose in self.T_agent_role.items()}
 
@@ -120,7 +118,9 @@ def person_motion(
     )
 
 
-def _interpolated(time: Array, pose: RigidTransform, own: Array) -> RigidTransform:
+def _interpolated(
+    time: Float[np.ndarray, " samples"], pose: RigidTransform, own: Float[np.ndarray, " times"]
+) -> RigidTransform:
     before = np.searchsorted(time, own, side="right").clip(1, len(time) - 1) - 1
     share = ((own - time[before]) / (time[before + 1] - time[before]))[:, None]
     first, second = pose[before], pose[before + 1]

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.demonstrations.signals import even_times, smooth_positions
 from sbam.planning.trajectory.trajectory import JointTrajectory
-
-Array = NDArray[np.float64]
 
 OBJECT_MOVES = 0.01  # m/s: a slower object rests
 ARMS_MOVE = 0.01  # rad/s: the norm over all joints of arms that move
 WAITS = 0.5  # of the median pace of the model's clock, below which one arm waits for the other
 
 
-def path_smoothness(prefix: str, time: Array, path: Array) -> dict[str, float]:
-    """Largest speed and log dimensionless jerk of an object's path (N, 3), below 5 Hz."""
+def path_smoothness(
+    prefix: str, time: Float[np.ndarray, " samples"], path: Float[np.ndarray, "samples 3"]
+) -> dict[str, float]:
+    """Largest speed and log dimensionless jerk of an object's path, below 5 Hz."""
     grid = even_times(time)
     step = float(grid[1] - grid[0])
     smooth = smooth_positions(path, time, grid)
@@ -26,14 +26,14 @@ def path_smoothness(prefix: str, time: Array, path: Array) -> dict[str, float]:
     return values | _log_jerk(prefix, grid, velocity, jerk, OBJECT_MOVES)
 
 
-def joint_smoothness(trajectory: JointTrajectory, clock: Array) -> dict[str, float]:
+def joint_smoothness(trajectory: JointTrajectory, clock: Float[np.ndarray, " samples"]) -> dict[str, float]:
     """How far the arms move in joint space, how fast at the pace of the demonstrations, and how jerkily.
 
     That speed is not defined while the action waits for one arm to pass, and leaves it out.
 
     Args:
         trajectory: of all joints; its limits have stretched time.
-        clock: (N,) time on the model's axis of its samples, s.
+        clock: time on the model's axis of its samples, s.
     """
     time, velocity = trajectory.time, trajectory.velocity
     pace = np.gradient(clock, time)
@@ -48,7 +48,13 @@ def joint_smoothness(trajectory: JointTrajectory, clock: Array) -> dict[str, flo
     return values | _log_jerk("joints: ", time, velocity, jerk, ARMS_MOVE)
 
 
-def _log_jerk(prefix: str, time: Array, velocity: Array, jerk: Array, least: float) -> dict[str, float]:
+def _log_jerk(
+    prefix: str,
+    time: Float[np.ndarray, " samples"],
+    velocity: Float[np.ndarray, "samples channels"],
+    jerk: Float[np.ndarray, "samples channels"],
+    least: float,
+) -> dict[str, float]:
     """ln(integral of |jerk|^2 * duration^3 / peak speed^2) of what moves faster than ``least``; {} if nothing does."""
     speed = np.linalg.norm(velocity, axis=1)
     moving = speed > least

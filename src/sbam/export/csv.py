@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.export.npz import quaternions_wxyz
 from sbam.planning.plan import Plan
@@ -40,7 +40,7 @@ def encode(plan: Plan) -> Mapping[str, bytes]:
     }
 
 
-def _table(columns: Sequence[str], *arrays: NDArray[np.float64]) -> bytes:
+def _table(columns: Sequence[str], *arrays: Float[np.ndarray, "samples ..."]) -> bytes:
     header = ",".join(_quoted(column) for column in columns)
     row = ",".join(["%.10g"] * len(columns))
     rows = np.column_stack(arrays).tolist()

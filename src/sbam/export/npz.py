@@ -29,6 +29,7 @@ from typing import Any
 
 import msgspec
 import numpy as np
+from jaxtyping import Float
 from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
@@ -81,16 +82,16 @@ class SavedTrajectory:
 
     Attributes:
         trajectory: the timed joint trajectory.
-        model_time: (N,) s.
-        keypoint_time: (K,) s.
+        model_time: on the model's axis, s.
+        keypoint_time: on the trajectory's axis, s.
         phases: what each hand does when.
-        T_world_object: moved object -> N poses.
+        T_world_object: moved object -> poses.
         meta: names, units, the objects that stand still.
     """
 
     trajectory: JointTrajectory
-    model_time: NDArray[np.float64]
-    keypoint_time: NDArray[np.float64]
+    model_time: Float[np.ndarray, " samples"]
+    keypoint_time: Float[np.ndarray, " keypoints"]
     phases: tuple[Phase, ...]
     T_world_object: Mapping[str, RigidTransform]
     meta: Meta
@@ -140,8 +141,8 @@ def encode(plan: Plan) -> Mapping[str, bytes]:
     return {FILE: content.getvalue()}
 
 
-def quaternions_wxyz(T: RigidTransform) -> NDArray[np.float64]:
-    """Unit quaternions (N, 4), scalar first, whose signs do not jump along time."""
+def quaternions_wxyz(T: RigidTransform) -> Float[np.ndarray, "samples 4"]:
+    """Unit quaternions, scalar first, whose signs do not jump along time."""
     quaternions = np.array(T.rotation.as_quat(scalar_first=True))
     flips = np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0, -1.0, 1.0)
     quaternions[1:] *= np.cumprod(flips)[:, None]

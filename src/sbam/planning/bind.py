@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.demonstration import Hand
@@ -15,8 +15,6 @@ from sbam.learning.model import ActionModel
 from sbam.learning.roles import bind_roles
 from sbam.planning.task import MovedObject, Task
 from sbam.scene import Scene, is_support
-
-Array = NDArray[np.float64]
 
 SUPPORT_TOLERANCE = 0.015  # m: a lowest region this near to a support stands on it
 LYING = np.deg2rad(45.0)  # an object whose regions are connected by a vector flatter than this lies
@@ -86,7 +84,7 @@ def _put_down(task: Task, role: str) -> RigidTransform:
         return start
     before = np.array([task.region_at_start(change.pair.first) for change in changes])
     after = before + np.array([change.at(np.array([task.model.duration]))[0][0] for change in changes])
-    supported = _is_supported(task, role) and abs((after - before)[:, 2].mean()) < 2 * SUPPORT_TOLERANCE
+    supported = _is_supported(task, role) and bool(abs((after - before)[:, 2].mean()) < 2 * SUPPORT_TOLERANCE)
     turn = _turn(before, after, about_vertical=supported)
     # What stands is put down where it stands; what ends in the air has no such place, all its regions count alike.
     kept = before[:, 2] < before[:, 2].min() + SUPPORT_TOLERANCE if supported else np.full(len(before), True)
@@ -96,7 +94,9 @@ def _put_down(task: Task, role: str) -> RigidTransform:
     return RigidTransform.from_components(position, turn * start.rotation)
 
 
-def _turn(before: Array, after: Array, about_vertical: bool) -> Rotation:
+def _turn(
+    before: Float[np.ndarray, "regions 3"], after: Float[np.ndarray, "regions 3"], about_vertical: bool
+) -> Rotation:
     """The smallest rotation that turns the line through an object's regions; of a standing object nothing is known."""
     if len(before) < 2:
         return Rotation.identity()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.scenes import as_scene
@@ -32,8 +32,6 @@ from sbam.planning.variant import choose_variant
 from sbam.robots import Robot
 from sbam.scene import Scene
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Plan:
@@ -47,9 +45,9 @@ class Plan:
         solution: the optimised keypoints.
         free_flight: the same keypoints if no robot had to hold the objects: what the action wants.
         trajectory: the timed joint trajectory.
-        model_time: (N,) time on the model's axis of every sample, s.
+        model_time: time on the model's axis of every sample, s.
         phases: what each hand does when, on the trajectory's time axis.
-        T_agent_object: object name -> N poses of every moved object at the trajectory's samples, agent frame.
+        T_agent_object: object name -> poses of every moved object at the trajectory's samples, agent frame.
         checks: what was verified and how it came out.
         problems: a sentence for each thing that is wrong; empty for a plan that may be executed.
         notes: a sentence for each thing that was chosen or mended on the way.
@@ -63,7 +61,7 @@ class Plan:
     solution: Solution
     free_flight: Solution
     trajectory: JointTrajectory
-    model_time: Array
+    model_time: Float[np.ndarray, " samples"]
     phases: tuple[Phase, ...]
     T_agent_object: Mapping[str, RigidTransform]
     checks: tuple[Check, ...]
@@ -77,8 +75,8 @@ class Plan:
         return not self.problems
 
     @property
-    def time(self) -> Array:
-        """(N,) s: when the samples of the trajectory are passed."""
+    def time(self) -> Float[np.ndarray, " samples"]:
+        """When the samples of the trajectory are passed, s."""
         return self.trajectory.time
 
     @property
@@ -87,7 +85,7 @@ class Plan:
         return self.task.scene.T_world_agent
 
     def object_poses(self) -> dict[str, RigidTransform]:
-        """Object name -> N poses of every moved object at the trajectory's samples, world frame."""
+        """Object name -> poses of every moved object at the trajectory's samples, world frame."""
         return {name: self.T_world_agent * poses for name, poses in self.T_agent_object.items()}
 
     @property

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 from scipy.spatial.transform import RigidTransform
 
 from sbam.errors import TrajectoryError, UnreachableError
@@ -34,7 +34,6 @@ from sbam.planning.trajectory.trajectory import JointTrajectory
 from sbam.planning.trajectory.verification import verify
 from sbam.robots import Robot
 
-Array = NDArray[np.float64]
 Combination = Mapping[RoleHand, FollowedGrasp]
 
 CHECKPOINTS = 12  # keypoints at which grasps are tried
@@ -78,8 +77,8 @@ class Candidate:
         attempt: the attempt.
         motion: its dense motion.
         trajectory: the timed joint trajectory.
-        clock: (N,) of its samples, the motion's clock, s.
-        T_agent_object: object name -> N poses of every moved object, agent frame.
+        clock: its samples, the motion's clock, s.
+        T_agent_object: object name -> poses of every moved object at the samples, agent frame.
         checks: what was verified and how it came out.
         problems: a sentence for each thing that is wrong.
     """
@@ -87,7 +86,7 @@ class Candidate:
     attempt: Attempt
     motion: Motion
     trajectory: JointTrajectory
-    clock: Array
+    clock: Float[np.ndarray, " samples"]
     T_agent_object: Mapping[str, RigidTransform]
     checks: tuple[Check, ...]
     problems: tuple[str, ...]
@@ -118,7 +117,7 @@ class GraspSearch:
             robot: robot standing in the agent frame.
             settings: how to plan.
             free: the keypoints of the free flight.
-            free_poses: role -> K poses at them, agent frame.
+            free_poses: role -> poses at them, agent frame.
             stopwatch: told of each stage.
         """
         self._task, self._robot, self._settings = task, robot, settings
@@ -279,7 +278,7 @@ def _better(one: Attempt | None, other: Attempt) -> Attempt:
     return other if (not other.unreached, other.surplus) > (not one.unreached, one.surplus) else one
 
 
-def _checkpoints(task: Task) -> NDArray[np.int_]:
+def _checkpoints(task: Task) -> Int[np.ndarray, " checkpoints"]:
     """Indices of the keypoints at which grasps are tried: evenly from the first lift to the last place."""
     times = task.model.keypoint_times
     first = int(np.searchsorted(times, min(moved.lift for moved in task.moved) + 1e-9)) - 1

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionReference
 from sbam.demonstrations.demonstration import Hand
 from sbam.learning.model import ActionModel
 from sbam.scene import ObjectModel, Scene
-
-Array = NDArray[np.float64]
 
 
 class RoleHand(NamedTuple):
@@ -40,7 +38,7 @@ class MovedObject:
         place: when it stands still again.
         grasp: when it is grasped.
         release: when it is let go.
-        human_grasps: hand -> (D, 3) where people held such objects: from the object's origin, agent axes, m.
+        human_grasps: hand -> where people held such objects: from the object's origin, agent axes, m.
     """
 
     role: str
@@ -53,7 +51,7 @@ class MovedObject:
     place: float
     grasp: float
     release: float
-    human_grasps: Mapping[Hand, Array]
+    human_grasps: Mapping[Hand, Float[np.ndarray, "demonstrations 3"]]
 
 
 @dataclass(frozen=True)
@@ -79,10 +77,10 @@ class Task:
         """Every moved object with each hand that holds it."""
         return tuple((moved, RoleHand(moved.role, hand)) for moved in self.moved for hand in moved.hands)
 
-    def region_center(self, reference: RegionReference) -> Array:
-        """Centre of a region in its object's frame, (3,) m."""
+    def region_center(self, reference: RegionReference) -> Float[np.ndarray, " 3"]:
+        """Centre of a region in its object's frame, m."""
         return self.scene.objects[self.binding[reference.role]].region(reference.affordance).center
 
-    def region_at_start(self, reference: RegionReference) -> Array:
-        """Centre of a region at the start, agent frame, (3,) m."""
+    def region_at_start(self, reference: RegionReference) -> Float[np.ndarray, " 3"]:
+        """Centre of a region at the start, agent frame, m."""
         return self.T_agent_object[self.binding[reference.role]].apply(self.region_center(reference))

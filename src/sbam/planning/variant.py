@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.constraints import RegionReference
 from sbam.learning.model import ActionModel
@@ -13,8 +13,6 @@ from sbam.learning.relevance import pruned
 from sbam.learning.roles import bind_roles
 from sbam.learning.variants import nearest_layout
 from sbam.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 def choose_variant(
@@ -50,8 +48,10 @@ def choose_variant(
     return kept, notes
 
 
-def _region_starts(model: ActionModel, scene: Scene, roles: Mapping[str, str] | None) -> dict[RegionReference, Array]:
-    """Region -> (3,) its centre in the scene at the start, agent frame, m."""
+def _region_starts(
+    model: ActionModel, scene: Scene, roles: Mapping[str, str] | None
+) -> dict[RegionReference, Float[np.ndarray, " 3"]]:
+    """Region -> its centre in the scene at the start, agent frame, m."""
     binding = bind_roles(model.roles, scene.objects, chosen=roles)
     T_agent_world = scene.T_world_agent.inv()
     starts = {}

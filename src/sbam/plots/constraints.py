@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.constraints import SPATIAL_RELATIONS, SpatialRelation
 from sbam.plots.style import BLUE, RED, new_figure
@@ -17,7 +17,9 @@ COLUMNS = 4
 RANGE = 800.0  # mm shown to each side
 
 
-def sample_relation(relation: SpatialRelation, count: int, generator: np.random.Generator) -> NDArray[np.float64]:
+def sample_relation(
+    relation: SpatialRelation, count: int, generator: np.random.Generator
+) -> Float[np.ndarray, "samples 3"]:
     """Random vectors that a relation describes: radius and height normal, azimuth von Mises.
 
     Args:
@@ -26,7 +28,7 @@ def sample_relation(relation: SpatialRelation, count: int, generator: np.random.
         generator: source of chance.
 
     Returns:
-        (count, 3) vectors from the reference region, agent frame, m.
+        Vectors from the reference region, agent frame, m.
     """
     rho = np.abs(generator.normal(relation.mean_rho, relation.std_rho, count))
     phi = generator.vonmises(relation.mean_phi, relation.kappa_phi, count)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 
 from sbam.learning.generalization import GeneralizedChange, GeneralizedChannel
 from sbam.learning.keypoints import keypoint_histogram
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
-
 CHANNELS_IN_A_ROW = 4
 
 CONFIDENCE = 1.96
@@ -28,8 +26,8 @@ CONFIDENCE = 1.96
 
 
 def plot_segmentation(
-    time: Array,
-    value: Array,
+    time: Float[np.ndarray, " samples"],
+    value: Float[np.ndarray, " samples"],
     name: str,
     unit: str,
     settings: LearningSettings | None = None,
@@ -40,8 +38,8 @@ def plot_segmentation(
     Events, which the learning keeps in any case, are left out here.
 
     Args:
-        time: (T,) s, strictly increasing.
-        value: (T,) in ``unit``.
+        time: s, strictly increasing.
+        value: in ``unit``.
         name: what the channel is.
         unit: ``m``, ``rad`` or ``log``.
         settings: of the learning, for the final threshold; None: those of mode ``default``.
@@ -69,7 +67,9 @@ def plot_segmentation(
     return figure
 
 
-def _with_segments(time: Array, value: Array, count: int) -> NDArray[np.int64]:
+def _with_segments(
+    time: Float[np.ndarray, " samples"], value: Float[np.ndarray, " samples"], count: int
+) -> Int[np.ndarray, " points"]:
     """Segmentation with the highest threshold that gives at least so many segments."""
     low, high = 0.0, float(np.ptp(value)) * float(time[-1] - time[0])
     kept = segment(time, value, high)

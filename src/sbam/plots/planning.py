@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionPair, RegionReference, constraint_type
@@ -21,8 +21,6 @@ from sbam.scene import ObjectModel
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 
 PHASE_COLORS = {"approach": SKY, "grasp": ORANGE, "manipulate": GREEN, "place": ORANGE, "retreat": SKY}
 PATH_COLORS = (BLUE, RED, GREEN, PURPLE)
@@ -61,8 +59,10 @@ def plot_comparison(plan: Plan, pairs: Sequence[RegionPair] | None = None) -> Fi
     return figure
 
 
-def _executed(plan: Plan, change: GeneralizedChange, rows: NDArray[np.int64]) -> Array:
-    """Channels (N, C) of a pair along the trajectory; azimuths on the learned turn."""
+def _executed(
+    plan: Plan, change: GeneralizedChange, rows: Int[np.ndarray, " rows"]
+) -> Float[np.ndarray, "rows channels"]:
+    """Channels of a pair along the trajectory; azimuths on the learned turn."""
     first = _region_path(plan, change.pair.first, rows)
     if change.pair.second is None:
         second = plan.task.region_at_start(change.pair.first)[None]
@@ -76,14 +76,16 @@ def _executed(plan: Plan, change: GeneralizedChange, rows: NDArray[np.int64]) ->
     return values
 
 
-def _region_path(plan: Plan, reference: RegionReference, rows: NDArray[np.int64]) -> Array:
+def _region_path(plan: Plan, reference: RegionReference, rows: Int[np.ndarray, " rows"]) -> Float[np.ndarray, "rows 3"]:
     name = plan.task.binding[reference.role]
     if name in plan.T_agent_object:
         return plan.T_agent_object[name][rows].apply(plan.task.region_center(reference))
     return np.tile(plan.task.region_at_start(reference), (len(rows), 1))
 
 
-def _demonstrated(plan: Plan, sketch: DemonstrationSketch, change: GeneralizedChange) -> list[tuple[Array, Array]]:
+def _demonstrated(
+    plan: Plan, sketch: DemonstrationSketch, change: GeneralizedChange
+) -> list[tuple[Float[np.ndarray, " samples"], Float[np.ndarray, " samples"]]]:
     """Polylines of a demonstration, one a channel: times on the model's axis and values; empty if not kept."""
     model = plan.task.model
     for candidates in sketch.candidates:
@@ -150,7 +152,9 @@ def plot_trajectory(plan: Plan) -> Figure:
     return figure
 
 
-def _draw_within(axes: Axes, time: Array, value: Array, lower: float, upper: float) -> None:
+def _draw_within(
+    axes: Axes, time: Float[np.ndarray, " samples"], value: Float[np.ndarray, " samples"], lower: float, upper: float
+) -> None:
     axes.plot(time, value, color=BLUE, linewidth=1.2)
     axes.tick_params(labelsize=7)
     axes.set_xlim(0.0, time[-1])
@@ -212,14 +216,14 @@ def plot_scene_path(plan: Plan) -> Figure:
     return figure
 
 
-def _paths(plan: Plan, rows: NDArray[np.int64]) -> Iterator[tuple[str, Array]]:
+def _paths(plan: Plan, rows: Int[np.ndarray, " rows"]) -> Iterator[tuple[str, Float[np.ndarray, "rows 3"]]]:
     for moved in plan.task.moved:
         for region in moved.model.affordance_regions:
             yield f"{region.affordance} of {moved.name}", plan.T_agent_object[moved.name][rows].apply(region.center)
 
 
-def _same_scale(size: Array, title: str, synthetic: bool) -> tuple[Figure, list[Axes]]:
-    """A view from above and one from the side, at one scale, of a box of ``size`` (3,) mm."""
+def _same_scale(size: Float[np.ndarray, " 3"], title: str, synthetic: bool) -> tuple[Figure, list[Axes]]:
+    """A view from above and one from the side, at one scale, of a box of ``size``, mm."""
     width, gap, below, over = 12.0, 0.9, 1.1, 0.85  # inches: of the figure, beside, below and above the axes
     scale = min((width - 2 * gap - 0.2) / (size[0] + size[1]), 5.5 / max(size[1], size[2]))
     height = scale * max(size[1], size[2]) + below + over
@@ -233,8 +237,8 @@ def _same_scale(size: Array, title: str, synthetic: bool) -> tuple[Figure, list[
     ]
 
 
-def _extents(plan: Plan) -> list[Array]:
-    """Points (P, 3) all around what moves, agent frame, m; the table is shown no further than that."""
+def _extents(plan: Plan) -> list[Float[np.ndarray, "points 3"]]:
+    """Points all around what moves, agent frame, m; the table is shown no further than that."""
     points = []
     for moved in plan.task.moved:
         poses = plan.T_agent_object[moved.name][_thinned(len(plan.model_time))]
@@ -265,8 +269,8 @@ def draw_outline(
         axes.plot(*closed.T, color=color, linewidth=0.9, linestyle=style)
 
 
-def _surface(kind: str, size: Array) -> Array:
-    """Points (P, 3) whose convex hull is the primitive, m."""
+def _surface(kind: str, size: Float[np.ndarray, " 3"]) -> Float[np.ndarray, "points 3"]:
+    """Points whose convex hull is the primitive, m."""
     if kind == "box":
         return size * np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T
     angle = np.linspace(0.0, 2 * np.pi, 32, endpoint=False)
@@ -282,5 +286,5 @@ def _surface(kind: str, size: Array) -> Array:
     return np.concatenate([ball - end, ball + end])
 
 
-def _thinned(count: int) -> NDArray[np.int64]:
+def _thinned(count: int) -> Int[np.ndarray, " rows"]:
     return np.unique(np.linspace(0, count - 1, min(count, POINTS)).round().astype(np.int64))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.constraints import RegionPair, Symbolic, constraint_type
 from sbam.demonstrations.demonstration import Demonstration
@@ -25,8 +25,6 @@ from sbam.scene import ObjectLibrary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 
 
 def write_plan_plots(plan: Plan, folder: str | Path) -> list[Path]:
@@ -105,8 +103,8 @@ def demonstrated_channels(
     pair: RegionPair,
     constraint: str,
     library: Library | None = None,
-) -> Array:
-    """Channels (T, C) of a pair in a recording, sample by sample; azimuths unwrapped along time.
+) -> Float[np.ndarray, "samples channels"]:
+    """Channels of a pair in a recording, sample by sample; azimuths unwrapped along time.
 
     Args:
         model: says which roles there are.

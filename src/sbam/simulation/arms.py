@@ -6,7 +6,7 @@ import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.robots.collision_pairs import hand_bodies
 from sbam.robots.composition import OBJECT_PREFIX
@@ -17,8 +17,6 @@ from sbam.tasks.action import Arms, Grip
 
 if TYPE_CHECKING:
     import mujoco
-
-Array = NDArray[np.float64]
 
 BANDWIDTH = 60.0  # rad/s: of a joint's critically damped position control
 FINGER_FORCE = 40.0  # N, of each finger
@@ -95,8 +93,10 @@ class MotorControl:
         """Put the robot where its trajectory starts."""
         data.qpos[self._address] = self.wanted(np.zeros(1))[0][0]
 
-    def wanted(self, times: Array) -> tuple[Array, Array]:
-        """Positions and velocities (B, motors) that are commanded at times (B,), s; fingers included."""
+    def wanted(
+        self, times: Float[np.ndarray, " times"]
+    ) -> tuple[Float[np.ndarray, "times motors"], Float[np.ndarray, "times motors"]]:
+        """Positions and velocities that are commanded at times, s; fingers included."""
         trajectory = self._arms.trajectory
         times = np.clip(times, 0.0, trajectory.duration)
         position, velocity = np.tile(self._rest, (len(times), 1)), np.zeros((len(times), len(self._rest)))
@@ -112,20 +112,20 @@ class MotorControl:
                 position[:, motor] *= 1.0 - share * (1.0 - held)
         return position, velocity
 
-    def commands(self, times: Array) -> Array:
-        """Control inputs (B, motors) at times (B,), s."""
+    def commands(self, times: Float[np.ndarray, " times"]) -> Float[np.ndarray, "times motors"]:
+        """Control inputs at times, s."""
         position, velocity = self.wanted(times)
         return position + self._lead * velocity + self._compliance * (self._load(times) + self._pressing(times))
 
-    def _share(self, grip: Grip, times: Array) -> Array:
-        """How far the fingers are closed (B,), 0 to 1."""
+    def _share(self, grip: Grip, times: Float[np.ndarray, " times"]) -> Float[np.ndarray, " times"]:
+        """How far the fingers are closed, 0 to 1."""
         closed = grip.start
         if self._press is not None:  # they shall press before the object is lifted
             closed = grip.closing + CLOSED * (grip.start - grip.closing)
         return np.interp(times, [grip.closing, closed, grip.end, grip.opened], [0.0, 1.0, 1.0, 0.0])
 
-    def _pressing(self, times: Array) -> Array:
-        """Forces (B, motors) of the fingers towards each other, N."""
+    def _pressing(self, times: Float[np.ndarray, " times"]) -> Float[np.ndarray, "times motors"]:
+        """Forces of the fingers towards each other, N."""
         force = np.zeros((len(times), len(self._rest)))
         for grip in self._arms.grips:
             closed = self._share(grip, times) >= 1.0
@@ -133,8 +133,8 @@ class MotorControl:
                 force[closed, motor] -= np.sign(self._rest[motor]) * (self._press or 0.0)
         return force
 
-    def _load(self, times: Array) -> Array:
-        """Torques (B, motors) that bear the weight of what is held, shared by its hands, Nm or N."""
+    def _load(self, times: Float[np.ndarray, " times"]) -> Float[np.ndarray, "times motors"]:
+        """Torques that bear the weight of what is held, shared by its hands, Nm or N."""
         robot, grips, trajectory = self._arms.robot, self._arms.grips, self._arms.trajectory
         torque = np.zeros((len(times), len(self._rest)))
         moments = np.arange(0.0, trajectory.duration + LOAD_PERIOD, LOAD_PERIOD)
@@ -153,10 +153,12 @@ class MotorControl:
                 torque[held, motor] += np.interp(times[held], moments, column)
         return torque
 
-    def tracking_error(self, data: mujoco.MjData, wanted: Array) -> Array:
+    def tracking_error(
+        self, data: mujoco.MjData, wanted: Float[np.ndarray, " motors"]
+    ) -> Float[np.ndarray, " planned"]:
         """Measured minus commanded positions of the planned joints, rad or m."""
         return (data.qpos[self._address] - wanted)[self.planned]
 
-    def torque(self, data: mujoco.MjData) -> Array:
+    def torque(self, data: mujoco.MjData) -> Float[np.ndarray, " planned"]:
         """Torques of the planned joints, gravity compensation included, Nm or N."""
         return data.qfrc_actuator[self._dof[self.planned]]

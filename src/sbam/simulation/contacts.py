@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Int
 
 from sbam.robots.collision_pairs import hand_bodies
 from sbam.robots.composition import OBJECT_PREFIX
@@ -45,7 +45,7 @@ class ContactWatch:
         count = data.ncon
         if not count:
             return
-        geoms: NDArray[np.int32] = data.contact.geom
+        geoms: Int[np.ndarray, "contacts 2"] = data.contact.geom
         depth = -data.contact.dist
         kinds = np.sort(self._kind[geoms], axis=1)
         matters = ((kinds[:, 0] == 1) | ((kinds[:, 0] == 2) & (kinds[:, 1] == 2))) & (depth > DEPTH)

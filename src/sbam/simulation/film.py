@@ -9,7 +9,7 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import UInt8
 
 from sbam.errors import MissingExtraError, SimulationError
 from sbam.files import write_atomically
@@ -17,7 +17,7 @@ from sbam.simulation.simulate import SimulationResult
 from sbam.viewer.camera import LOOK_AT, heading_deg, view_named
 from sbam.viewer.pictures import open_offscreen
 
-Image = NDArray[np.uint8]
+Image = UInt8[np.ndarray, "height width 3"]
 
 FRAMES_PER_SECOND = 25
 WEB_FRAMES_PER_SECOND = 12.5

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import SimulationError, UnknownNameError
@@ -98,10 +98,12 @@ class Holds:
         action: what is done.
         kind: how hands hold. Slip counts from the planned grasp if it is rigid, else from where the object lay in the
             hand when it was lifted.
-        times: (N,) s of all steps.
+        times: of all steps, s.
     """
 
-    def __init__(self, model: mujoco.MjModel, action: Action, kind: GraspKind, times: NDArray[np.float64]) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, action: Action, kind: GraspKind, times: Float[np.ndarray, " steps"]
+    ) -> None:
         self._kind = kind
         self._holds: list[_Hold] = []
         for grip in action.arms.grips if action.arms else ():
@@ -135,7 +137,7 @@ class Holds:
 class _Hold:
     """One grip while it is watched."""
 
-    def __init__(self, grip: Grip, equality: int, sites: tuple[int, int], during: NDArray[np.bool_]) -> None:
+    def __init__(self, grip: Grip, equality: int, sites: tuple[int, int], during: Bool[np.ndarray, " steps"]) -> None:
         self.grip, self.equality, self.sites, self.during = grip, equality, sites, during
         self.T_tcp_grasp: RigidTransform | None = None
         self.series: list[tuple[float, float, float]] = []

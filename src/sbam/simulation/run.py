@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import SimulationError
@@ -26,8 +26,6 @@ from sbam.tasks.record import Record
 
 if TYPE_CHECKING:
     import mujoco
-
-Array = NDArray[np.float64]
 
 SETTLE = 0.4  # s before the motion
 AFTER = 0.6  # s after it, until what falls has fallen
@@ -135,8 +133,10 @@ class World:
         holds = Holds(model, action, self.grasp, times)
         watch = ContactWatch(model, action)
         every = round(FRAME / step)
-        frames: list[tuple[float, Array, Array, Array]] = []
-        measured: list[dict[str, Array]] = []
+        frames: list[
+            tuple[float, Float[np.ndarray, " positions"], Float[np.ndarray, "bodies 3"], Float[np.ndarray, "bodies 4"]]
+        ] = []
+        measured: list[dict[str, Float[np.ndarray, ...]]] = []
         error = np.zeros(len(action.arms.trajectory.joint_names) if action.arms else 0)
         torque, worst = error.copy(), (0.0, 0.0)
         since = clock.process_time()
@@ -186,7 +186,9 @@ class World:
             simulated=float(times[-1] - times[0]),
         )
 
-    def _guide_poses(self, times: Array) -> list[tuple[int, Array, Array]]:
+    def _guide_poses(
+        self, times: Float[np.ndarray, " times"]
+    ) -> list[tuple[int, Float[np.ndarray, "times 3"], Float[np.ndarray, "times 4"]]]:
         if self.action.arms:
             return []
         poses = {name: self.action.poses(name, times) for name in self.action.T_world_object}

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Slerp
 
 from sbam.demonstrations.demonstration import Hand
@@ -14,8 +14,6 @@ from sbam.errors import SimulationError
 from sbam.planning.trajectory.trajectory import JointTrajectory
 from sbam.robots import Robot
 from sbam.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -66,15 +64,15 @@ class Action:
         name: for reports.
         scene: the starting scene.
         roles: role -> object name, as far as known.
-        time: (N,) s from 0.
-        T_world_object: moved object -> N poses that are wanted.
+        time: s from 0.
+        T_world_object: moved object -> poses that are wanted.
         arms: the robot that moves them; None for objects that are led along their poses, as a demonstration shows them.
     """
 
     name: str
     scene: Scene
     roles: Mapping[str, str]
-    time: Array
+    time: Float[np.ndarray, " samples"]
     T_world_object: Mapping[str, RigidTransform]
     arms: Arms | None = None
 
@@ -100,8 +98,8 @@ class Action:
             )
         return bearing[0]
 
-    def poses(self, name: str, times: Array) -> RigidTransform:
-        """Wanted poses of a moved object at times (B,), s."""
+    def poses(self, name: str, times: Float[np.ndarray, " times"]) -> RigidTransform:
+        """Wanted poses of a moved object at times, s."""
         pose, times = self.T_world_object[name], np.clip(times, self.time[0], self.time[-1])
         position = np.stack([np.interp(times, self.time, column) for column in pose.translation.T], axis=-1)
         return RigidTransform.from_components(position, Slerp(self.time, pose.rotation)(times))

@@ -7,13 +7,11 @@ tilted while its spout is not over the cup.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.planning.motion.object_path import acting_point
 from sbam.tasks.object_motion import ObjectMotion
 from sbam.tasks.pouring.geometry import mouth_of_motion, rim_radius
-
-Array = NDArray[np.float64]
 
 END = 0.2
 """Share of the time from the first lift to the last place that counts as the end, and all that follows."""
@@ -50,8 +48,10 @@ def measure_faults(
     return values
 
 
-def _speed(clock: Array, path: Array) -> tuple[Array, Array]:
-    """Speeds (N - 1,) m/s between samples of a path (N, 3), and when they occur, (N - 1,) s."""
+def _speed(
+    clock: Float[np.ndarray, " samples"], path: Float[np.ndarray, "samples 3"]
+) -> tuple[Float[np.ndarray, " steps"], Float[np.ndarray, " steps"]]:
+    """Speeds between samples of a path, m/s, and when they occur, s."""
     step = np.diff(clock)
     moving = step > 1e-9
     speed = np.linalg.norm(np.diff(path, axis=0)[moving], axis=1) / step[moving]

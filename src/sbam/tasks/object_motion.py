@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionReference
 from sbam.planning.task import Task
-
-Array = NDArray[np.float64]
 
 
 class ObjectMotion(Protocol):
@@ -24,41 +22,41 @@ class ObjectMotion(Protocol):
         ...
 
     @property
-    def time(self) -> Array:
-        """(N,) s from the first sample."""
+    def time(self) -> Float[np.ndarray, " samples"]:
+        """Time from the first sample, s."""
         ...
 
     @property
-    def model_time(self) -> Array:
-        """(N,) time on the model's axis of every sample, s."""
+    def model_time(self) -> Float[np.ndarray, " samples"]:
+        """Time on the model's axis of every sample, s."""
         ...
 
     @property
     def T_agent_object(self) -> Mapping[str, RigidTransform]:
-        """Object name -> N poses of every moved object, agent frame."""
+        """Object name -> poses of every moved object, agent frame."""
         ...
 
 
 def roles_poses(motion: ObjectMotion) -> dict[str, RigidTransform]:
-    """Role -> N poses of every moved object, agent frame."""
+    """Role -> poses of every moved object, agent frame."""
     return {moved.role: motion.T_agent_object[moved.name] for moved in motion.task.moved}
 
 
-def region_path(motion: ObjectMotion, role: str, affordance: str) -> Array:
-    """(N, 3) centre of a role's region at every sample, agent frame, m."""
+def region_path(motion: ObjectMotion, role: str, affordance: str) -> Float[np.ndarray, "samples 3"]:
+    """Centre of a role's region at every sample, agent frame, m."""
     return region_points(motion.task, roles_poses(motion), RegionReference(role, affordance), len(motion.model_time))
 
 
 def region_points(
     task: Task, T_agent_role: Mapping[str, RigidTransform], reference: RegionReference, count: int
-) -> Array:
-    """(N, 3) centre of a role's region, agent frame, m.
+) -> Float[np.ndarray, "samples 3"]:
+    """Centre of a role's region, agent frame, m.
 
     Args:
         task: the model bound to the scene.
-        T_agent_role: role -> N poses of every moved object; what is missing stands where it stood at the start.
+        T_agent_role: role -> poses of every moved object; what is missing stands where it stood at the start.
         reference: the region.
-        count: N.
+        count: number of samples.
     """
     if reference.role in T_agent_role:
         return T_agent_role[reference.role].apply(task.region_center(reference))

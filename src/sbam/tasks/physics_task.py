@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.tasks.action import Action
 from sbam.tasks.record import Record
@@ -38,7 +38,7 @@ class PhysicsTask(ABC):
         """Put what was added where it is at the start. Nothing by default."""
         return
 
-    def observe(self, model: mujoco.MjModel, data: mujoco.MjData, action: Action) -> dict[str, NDArray[np.float64]]:
+    def observe(self, model: mujoco.MjModel, data: mujoco.MjData, action: Action) -> dict[str, Float[np.ndarray, ...]]:
         """What to record in every frame beside poses and spheres. Nothing by default."""
         return {}
 

@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -36,14 +34,14 @@ class Slip:
     """How far an object moved in a hand while it was held.
 
     Attributes:
-        time: (F,) s.
-        distance: (F,) of the grasp in the hand, m.
-        angle: (F,) of the object in the hand, rad.
+        time: s.
+        distance: of the grasp in the hand, m.
+        angle: of the object in the hand, rad.
     """
 
-    time: Array
-    distance: Array
-    angle: Array
+    time: Float[np.ndarray, " frames"]
+    distance: Float[np.ndarray, " frames"]
+    angle: Float[np.ndarray, " frames"]
 
     @property
     def most(self) -> float:
@@ -61,11 +59,11 @@ class Record:
     """What happened.
 
     Attributes:
-        time: (F,) s on the action's time axis; negative while things settle.
-        T_world_object: every movable object -> F poses.
-        qpos: (F, nq) state of the model, for drawing.
-        particles: (F, S, 3) centres of the spheres, world, m.
-        measured: name -> (F, ...) whatever the task measured in every frame.
+        time: s on the action's time axis; negative while things settle.
+        T_world_object: every movable object -> poses in every frame.
+        qpos: state of the model, for drawing.
+        particles: centres of the spheres, world, m.
+        measured: name -> whatever the task measured in every frame.
         contacts: contacts that should not be, the first first.
         tracking_error: joint -> largest distance from its command, rad or m; empty without a robot.
         torque_ratio: joint -> largest torque, share of its limit; empty without a robot.
@@ -75,11 +73,11 @@ class Record:
         simulated: time that was simulated, s.
     """
 
-    time: Array
+    time: Float[np.ndarray, " frames"]
     T_world_object: Mapping[str, RigidTransform]
-    qpos: Array
-    particles: Array
-    measured: Mapping[str, Array]
+    qpos: Float[np.ndarray, "frames positions"]
+    particles: Float[np.ndarray, "frames spheres 3"]
+    measured: Mapping[str, Float[np.ndarray, "frames ..."]]
     contacts: tuple[Contact, ...]
     tracking_error: Mapping[str, float]
     torque_ratio: Mapping[str, float]

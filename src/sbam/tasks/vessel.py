@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float
 from scipy.spatial.transform import Rotation
 
 from sbam.scene import ObjectModel, VesselProfile, upright_rotation
@@ -14,8 +14,6 @@ from sbam.tasks.materials import PARTICLE, SHELL, add_sphere, physics_options
 
 if TYPE_CHECKING:
     import mujoco
-
-Array = NDArray[np.float64]
 
 SIDES = 12
 SPHERE_RADIUS = 0.006  # m
@@ -33,7 +31,11 @@ def sphere_count(model: ObjectModel) -> int:
 
 
 def add_shell(
-    body: mujoco.MjsBody, profile: VesselProfile, up: Array, bits: tuple[int, int], rgb: Array = PLAIN
+    body: mujoco.MjsBody,
+    profile: VesselProfile,
+    up: Float[np.ndarray, " 3"],
+    bits: tuple[int, int],
+    rgb: Float[np.ndarray, " 3"] = PLAIN,
 ) -> None:
     """Add the walls and the floor of a vessel to its body.
 
@@ -51,7 +53,9 @@ def add_shell(
 
     stand = upright_rotation(up, 0.0).inv()  # from "z up" into the body's frame
 
-    def add(kind: mujoco.mjtGeom, center: Array, rotation: Rotation, size: Array) -> None:
+    def add(
+        kind: mujoco.mjtGeom, center: Float[np.ndarray, " 3"], rotation: Rotation, size: Float[np.ndarray, " 3"]
+    ) -> None:
         body.add_geom(
             type=kind,
             pos=stand.apply(center),
@@ -81,8 +85,8 @@ def add_shell(
     add(mujoco.mjtGeom.mjGEOM_CYLINDER, floor, Rotation.identity(), np.array([radius, half, 0.0]))
 
 
-def inside(model: ObjectModel, local: Array) -> NDArray[np.bool_]:
-    """Whether points (..., 3) in an object's frame are within its hollow, walls included."""
+def inside(model: ObjectModel, local: Float[np.ndarray, "*batch 3"]) -> Bool[np.ndarray, "*batch"]:
+    """Whether points in an object's frame are within its hollow, walls included."""
     assert model.profile is not None
     profile = model.profile
     height = local @ model.up
@@ -91,8 +95,8 @@ def inside(model: ObjectModel, local: Array) -> NDArray[np.bool_]:
     return (height > profile.heights[0] - profile.wall) & (height < profile.heights[-1]) & (aside < radius)
 
 
-def settled_spheres(model: ObjectModel, count: int) -> Array:
-    """Where spheres come to rest in an upright vessel, (count, 3) in the object's frame, m."""
+def settled_spheres(model: ObjectModel, count: int) -> Float[np.ndarray, "spheres 3"]:
+    """Where spheres come to rest in an upright vessel, in the object's frame, m."""
     assert model.profile is not None
     profile = model.profile
     key = tuple(profile.heights.tolist()), tuple(profile.radii.tolist()), profile.wall, count
@@ -100,8 +104,10 @@ def settled_spheres(model: ObjectModel, count: int) -> Array:
 
 
 @lru_cache(maxsize=32)
-def _settle(heights: tuple[float, ...], radii: tuple[float, ...], wall: float, count: int) -> Array:
-    """Spheres fall one after the other into a vessel that stands still; (count, 3), z up."""
+def _settle(
+    heights: tuple[float, ...], radii: tuple[float, ...], wall: float, count: int
+) -> Float[np.ndarray, "spheres 3"]:
+    """Spheres fall one after the other into a vessel that stands still; z up."""
     import mujoco
 
     profile = VesselProfile(np.array(heights), np.array(radii), wall)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.errors import UnknownNameError
@@ -28,8 +28,8 @@ class View:
     elevation_deg: float
     distance: float
 
-    def position(self) -> NDArray[np.float64]:
-        """Where the camera stands, agent frame, (3,) m."""
+    def position(self) -> Float[np.ndarray, " 3"]:
+        """Where the camera stands, agent frame, m."""
         azimuth, elevation = np.radians([self.azimuth_deg, self.elevation_deg])
         level = np.cos(elevation)
         forward = np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])

@@ -12,7 +12,7 @@ from typing import Any, Self
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import UInt8
 
 from sbam.errors import RenderingError
 from sbam.files import write_atomically
@@ -20,7 +20,7 @@ from sbam.planning.plan import Plan
 from sbam.viewer.camera import LOOK_AT, heading_deg, view_named
 from sbam.viewer.playback import Playback, ellipse_rotation
 
-Image = NDArray[np.uint8]
+Image = UInt8[np.ndarray, "height width 3"]
 
 REGION_COLOR = (0.90, 0.35, 0.05, 0.65)
 REGION_THICKNESS = 0.001

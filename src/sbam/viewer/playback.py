@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from jaxtyping import Float
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 
 from sbam.planning.plan import Plan
@@ -15,8 +16,6 @@ from sbam.robots.composition import OBJECT_PREFIX, add_objects, compile_spec, po
 from sbam.robots.lighting import light
 from sbam.scene import AffordanceRegion, upright_rotation
 
-Array = NDArray[np.float64]
-
 STAND_RADIUS = 0.09
 FLOOR_GAP = 0.002
 STAND_COLOR = (0.35, 0.37, 0.40, 1.0)
@@ -24,15 +23,15 @@ STAND_COLOR = (0.35, 0.37, 0.40, 1.0)
 
 @dataclass(frozen=True)
 class Frames:
-    """Where all bodies are at B times.
+    """Where all bodies are at some times.
 
     Attributes:
-        position: (B, bodies, 3) world, m; bodies as in the model.
-        quaternion_wxyz: (B, bodies, 4) scalar first.
+        position: world, m; bodies as in the model.
+        quaternion_wxyz: scalar first.
     """
 
-    position: Array
-    quaternion_wxyz: Array
+    position: Float[np.ndarray, "times bodies 3"]
+    quaternion_wxyz: Float[np.ndarray, "times bodies 4"]
 
 
 class Playback:
@@ -79,8 +78,8 @@ class Playback:
         """Index of a scene's object among the model's bodies."""
         return int(self.model.body(OBJECT_PREFIX + name).id)
 
-    def configurations(self, times: ArrayLike) -> Array:
-        """Positions (B, nq) of all the model's joints at times (B,), s."""
+    def configurations(self, times: ArrayLike) -> Float[np.ndarray, "times positions"]:
+        """Positions of all the model's joints at times, s."""
         times = np.clip(np.atleast_1d(np.asarray(times, dtype=np.float64)), 0.0, self.duration)
         trajectory = self.plan.trajectory
         result = np.tile(self._rest, (len(times), 1))
@@ -96,7 +95,7 @@ class Playback:
         return result
 
     def object_poses(self, times: ArrayLike) -> dict[str, RigidTransform]:
-        """Scene's name of every object -> B poses in the world at times (B,), s."""
+        """Scene's name of every object -> poses in the world at times, s."""
         times = np.clip(np.atleast_1d(np.asarray(times, dtype=np.float64)), 0.0, self.duration)
         result = {}
         for name, start in self.plan.task.scene.T_world_object.items():
@@ -118,7 +117,7 @@ class Playback:
         mujoco.mj_camlight(self.model, data)
 
     def frames(self, times: ArrayLike) -> Frames:
-        """Poses of all bodies at times (B,), s."""
+        """Poses of all bodies at times, s."""
         times = np.atleast_1d(np.asarray(times, dtype=np.float64))
         data = mujoco.MjData(self.model)
         position = np.empty((len(times), self.model.nbody, 3))
@@ -138,8 +137,8 @@ class Playback:
         doing = [f"{p.hand}: {p.name}" for p in self.plan.phases if p.start <= time < p.end]
         return ", ".join(sorted(doing)) or "rest"
 
-    def moments(self, count: int = 6) -> Array:
-        """Times that show the action, (count,) s: grasping, moving, the largest tilt, the end."""
+    def moments(self, count: int = 6) -> Float[np.ndarray, " moments"]:
+        """Times that show the action, s: grasping, moving, the largest tilt, the end."""
         held = [phase for phase in self.plan.phases if phase.name == "manipulate"]
         start, end = min(phase.start for phase in held), max(phase.end for phase in held)
         times = np.linspace(start, end, count)

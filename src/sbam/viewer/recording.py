@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float32, UInt32
 
 from sbam.files import write_atomically
 from sbam.planning.plan import Plan
@@ -180,7 +180,9 @@ def _add_shape(scene: SceneApi, node: str, playback: Playback, geom: int) -> Non
         scene.add_mesh_simple(node, vertices, model.mesh_face[first_face : first_face + face_count], **style)
 
 
-def _capsule(radius: float, half_length: float) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+def _capsule(
+    radius: float, half_length: float
+) -> tuple[Float32[np.ndarray, "vertices 3"], UInt32[np.ndarray, "faces 3"]]:
     """Vertices and faces of a capsule along z about the origin."""
     import trimesh
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, UInt8
 from scipy.spatial.transform import RigidTransform
 
 from sbam.errors import FileFormatError
@@ -68,7 +68,7 @@ def _lit(robot: Robot, meshes: bool) -> mujoco.MjModel:
 
 def _image(
     robot: Robot, model: mujoco.MjModel, view: str, size: tuple[int, int], with_meshes: bool
-) -> NDArray[np.uint8]:
+) -> UInt8[np.ndarray, "height width 3"]:
     data = mujoco.MjData(model)
     data.qpos[:] = robot.home
     mujoco.mj_kinematics(model, data)
@@ -115,8 +115,8 @@ def _add(
     scene: mujoco.MjvScene,
     kind: mujoco.mjtGeom,
     size: tuple[float, float, float],
-    position: NDArray[np.float64],
-    rotation: NDArray[np.float64],
+    position: Float[np.ndarray, " 3"],
+    rotation: Float[np.ndarray, "3 3"],
     rgba: tuple[float, float, float, float],
 ) -> None:
     mujoco.mjv_initGeom(

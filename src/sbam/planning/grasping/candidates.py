@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.demonstration import Hand
@@ -23,8 +23,6 @@ from sbam.robots import ObjectHand, Robot
 from sbam.robots.collision import CollisionModel
 from sbam.robots.collision_pairs import hand_bodies
 from sbam.scene import GraspRegion
-
-Array = NDArray[np.float64]
 
 AZIMUTHS = np.deg2rad(np.arange(-180.0, 180.0, 30.0))  # 0: approach forward, + turns to the left
 TILTS_AROUND = np.deg2rad([0.0, 15.0, 30.0, 45.0, 60.0])  # fingers point down by this
@@ -159,10 +157,10 @@ def _depths(
     collision: CollisionModel,
     moved: MovedObject,
     hand: Hand,
-    center: Array,
-    approach: Array,
-    rotation: Array,
-) -> Array:
+    center: Float[np.ndarray, "poses 3"],
+    approach: Float[np.ndarray, "poses 3"],
+    rotation: Float[np.ndarray, "poses 3 3"],
+) -> Float[np.ndarray, " poses"]:
     """How far the TCP must stay short of the axis so that only fingers touch the object; infinite if no depth will do.
 
     Of a hand with a palm nothing may reach into the object: its fingers are stretched.
@@ -172,12 +170,12 @@ def _depths(
         collision: shapes of the robot and the scene's objects.
         moved: the object, standing at its start.
         hand: the hand.
-        center: (N, 3) on the axis, agent frame, m.
-        approach: (N, 3) directions of approach.
-        rotation: (N, 3, 3) orientations of the TCP.
+        center: on the axis, agent frame, m.
+        approach: directions of approach.
+        rotation: orientations of the TCP.
 
     Returns:
-        (N,) m.
+        The distances, m.
     """
     has_palm = robot.arms[hand].hand.has_palm
     depths = np.array(PALM_DEPTHS if has_palm else DEPTHS)
@@ -204,7 +202,9 @@ def _depths(
     return np.where(touching, np.inf, np.tile(depths, len(center))).reshape(len(center), -1).min(axis=1)
 
 
-def _directions(moved: MovedObject, region: GraspRegion, axis: Array) -> list[tuple[float, float, Array, Array]]:
+def _directions(
+    moved: MovedObject, region: GraspRegion, axis: Float[np.ndarray, " 3"]
+) -> list[tuple[float, float, Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]]:
     """(azimuth, tilt, approach, opening direction) of all candidates at a region, agent frame."""
     directions = []
     if region.kind == "around":
@@ -235,8 +235,8 @@ def _directions(moved: MovedObject, region: GraspRegion, axis: Array) -> list[tu
 
 
 def _palm_directions(
-    moved: MovedObject, hand: Hand, region: GraspRegion, axis: Array
-) -> list[tuple[float, float, Array, Array]]:
+    moved: MovedObject, hand: Hand, region: GraspRegion, axis: Float[np.ndarray, " 3"]
+) -> list[tuple[float, float, Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]]:
     """(azimuth, tilt, palm's normal, fingers' direction) of all candidates at a region, agent frame.
 
     Vessels are held with the thumb up; tilting turns the hand about the palm's normal until the fingers point down.
@@ -270,7 +270,7 @@ def _palm_directions(
     return directions
 
 
-def _azimuths(moved: MovedObject, region: GraspRegion, axis: Array) -> Array:
+def _azimuths(moved: MovedObject, region: GraspRegion, axis: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " azimuths"]:
     """Azimuths of approach: any for round objects, towards the faces for the others."""
     if region.faces == 0:
         return AZIMUTHS
@@ -280,8 +280,10 @@ def _azimuths(moved: MovedObject, region: GraspRegion, axis: Array) -> Array:
     return _wrap(first + 2 * np.pi * np.arange(region.faces) / region.faces)
 
 
-def _tcp_rotations(robot: Robot, hand: Hand, approach: Array, opening: Array) -> Array:
-    """Orientations (N, 3, 3) of a TCP whose approach and opening directions (N, 3) point as wanted."""
+def _tcp_rotations(
+    robot: Robot, hand: Hand, approach: Float[np.ndarray, "directions 3"], opening: Float[np.ndarray, "directions 3"]
+) -> Float[np.ndarray, "directions 3 3"]:
+    """Orientations of a TCP whose approach and opening directions point as wanted."""
     description = robot.arms[hand].hand
     own_approach, own_opening = np.array(description.approach), np.array(description.across)
     own = np.column_stack([np.cross(own_opening, own_approach), own_opening, own_approach])
@@ -289,7 +291,7 @@ def _tcp_rotations(robot: Robot, hand: Hand, approach: Array, opening: Array) ->
     return wanted @ own.T
 
 
-def _human_azimuths(moved: MovedObject, hand: Hand, region: GraspRegion) -> Array:
+def _human_azimuths(moved: MovedObject, hand: Hand, region: GraspRegion) -> Float[np.ndarray, " demonstrations"]:
     """Azimuths from which people held the object: from their hand towards the region's axis."""
     positions = moved.human_grasps.get(hand, np.zeros((0, 3)))
     if region.kind != "around" or len(positions) == 0:
@@ -298,5 +300,5 @@ def _human_azimuths(moved: MovedObject, hand: Hand, region: GraspRegion) -> Arra
     return np.arctan2(-towards[:, 0], towards[:, 1])
 
 
-def _wrap(angle: Array) -> Array:
+def _wrap(angle: Float[np.ndarray, "*angles"]) -> Float[np.ndarray, "*angles"]:
     return (angle + np.pi) % (2 * np.pi) - np.pi

@@ -8,13 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 
 from sbam.robots import Robot
 from sbam.robots.description import ArmName
 from sbam.robots.inverse_kinematics import ROTATION_LENGTH, PoseSolution, solve_poses
-
-Array = NDArray[np.float64]
 
 PULL = (3e-2, 1e-3)  # m: how strongly poses are solved near their start, one stage each
 LARGEST_JUMP = 1.5  # rad (or m) of any joint from one pose to the next; more is another branch
@@ -23,38 +21,38 @@ MOST_AT_ONCE = 4000  # targets solved in one batch; more do not fit into caches
 
 @dataclass(frozen=True)
 class OutwardPaths:
-    """G paths of one hand over M moments.
+    """Paths of one hand over moments.
 
     Attributes:
-        configurations: (G, M, n) rad or m; NaN where a path was given up.
-        miss: (G, M) how far the hand stays away, m; a radian of orientation counts 0.25 m; inf where it was given up.
-        broken_at: (G,) the moment at which a path breaks: a pose out of reach or in another branch; -1 where none is.
+        configurations: rad or m; NaN where a path was given up.
+        miss: how far the hand stays away, m; a radian of orientation counts 0.25 m; inf where it was given up.
+        broken_at: the moment at which a path breaks: a pose out of reach or in another branch; -1 where none is.
     """
 
-    configurations: Array
-    miss: Array
-    broken_at: NDArray[np.int_]
+    configurations: Float[np.ndarray, "paths moments joints"]
+    miss: Float[np.ndarray, "paths moments"]
+    broken_at: Int[np.ndarray, " paths"]
 
 
 def follow_outwards(
     robot: Robot,
     hand: ArmName,
-    position: Array,
-    rotation: Array,
-    first: Array,
+    position: Float[np.ndarray, "paths moments 3"],
+    rotation: Float[np.ndarray, "paths moments 3 3"],
+    first: Float[np.ndarray, "paths joints"],
     hardest: int,
     *,
     give_up: bool = True,
     iterations: int = 30,
 ) -> OutwardPaths:
-    """Follow G sequences of M poses of one hand.
+    """Follow sequences of poses of one hand.
 
     Args:
         robot: the robot, in the frame of the targets.
         hand: the hand.
-        position: (G, M, 3) of its tool centre point, m.
-        rotation: (G, M, 3, 3).
-        first: (G, n) configurations at the hardest moment, as they were solved there.
+        position: of its tool centre point, m.
+        rotation: its orientation.
+        first: configurations at the hardest moment, as they were solved there.
         hardest: that moment, from which both ends are followed to.
         give_up: whether a path that breaks is not followed further; else it is, however far it stays away.
         iterations: most steps of inverse kinematics in each stage.
@@ -81,9 +79,14 @@ def follow_outwards(
 
 
 def solve_hand(
-    robot: Robot, hand: ArmName, position: Array, rotation: Array, start: Array, iterations: int = 30
+    robot: Robot,
+    hand: ArmName,
+    position: Float[np.ndarray, "poses 3"],
+    rotation: Float[np.ndarray, "poses 3 3"],
+    start: Float[np.ndarray, "poses joints"],
+    iterations: int = 30,
 ) -> PoseSolution:
-    """Solve N poses of one hand, (N, 3) m and (N, 3, 3), near their starts (N, n); any number of them."""
+    """Solve poses of one hand, positions in m, near their starts; any number of them."""
     parts = [
         solve_poses(
             robot,
@@ -105,6 +108,6 @@ def solve_hand(
     )
 
 
-def distance_missed(solution: PoseSolution) -> Array:
-    """(N,) how far off solved poses are, m; a radian of orientation counts 0.25 m."""
+def distance_missed(solution: PoseSolution) -> Float[np.ndarray, " poses"]:
+    """How far off solved poses are, m; a radian of orientation counts 0.25 m."""
     return np.hypot(solution.position_error, ROTATION_LENGTH * solution.rotation_error)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float, Int
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.demonstration import Hand
@@ -17,8 +17,6 @@ from sbam.planning.grasping.follow_outwards import follow_outwards, solve_hand
 from sbam.planning.task import MovedObject, RoleHand, Task
 from sbam.robots import NaturalDirections, ObjectHand, Robot
 from sbam.robots.collision import CollisionModel
-
-Array = NDArray[np.float64]
 
 RANDOM_NEAR_HOME = 3  # starts home + N(0, 0.5)
 RANDOM_STARTS = 4  # starts anywhere within the limits
@@ -40,12 +38,12 @@ class FollowedGrasp:
 
     Attributes:
         grasp: the grasp.
-        configurations: (M, n) at the checkpoints; only the arm's joints count.
+        configurations: at the checkpoints; only the arm's joints count.
         score: lower is better.
     """
 
     grasp: Grasp
-    configurations: Array
+    configurations: Float[np.ndarray, "checkpoints joints"]
     score: float
 
 
@@ -68,7 +66,7 @@ def follow_grasps(
         collision: shapes of the robot and the scene's objects.
         moved: the object.
         hand: the hand.
-        poses: M poses of the object at the checkpoints, agent frame, in order of time.
+        poses: poses of the object at the checkpoints, agent frame, in order of time.
         seed: of the random starts.
         human_likeness: weight of the posture's distance from a person's.
 
@@ -126,8 +124,8 @@ class _Posture:
         self._arm = list(robot.arms).index(hand)
         self._human = NaturalDirections(robot) if weight > 0.0 else None
 
-    def cost(self, configurations: Array) -> Array:
-        """(...) of configurations (..., n)."""
+    def cost(self, configurations: Float[np.ndarray, "*batch joints"]) -> Float[np.ndarray, "*batch"]:
+        """Score of each configuration."""
         shape = configurations.shape[:-1]
         if self._human is None:
             return np.zeros(shape)
@@ -138,12 +136,16 @@ class _Posture:
 
 
 def _at_hardest(
-    robot: Robot, hand: Hand, position: Array, rotation: Array, seed: int
-) -> tuple[Array, NDArray[np.bool_], float]:
-    """Solve G poses of one hand from all starts; the random ones only where the others do not reach.
+    robot: Robot,
+    hand: Hand,
+    position: Float[np.ndarray, "grasps 3"],
+    rotation: Float[np.ndarray, "grasps 3 3"],
+    seed: int,
+) -> tuple[Float[np.ndarray, "grasps starts joints"], Bool[np.ndarray, "grasps starts"], float]:
+    """Solve poses of one hand from all starts; the random ones only where the others do not reach.
 
     Returns:
-        Configurations (G, S, n), which of them reach (G, S), and the smallest position error, m.
+        Configurations, which of them reach, and the smallest position error, m.
     """
     starts = _starts(robot, hand, seed)
     count, known = len(position), len(starts) - RANDOM_NEAR_HOME - RANDOM_STARTS
@@ -169,8 +171,8 @@ def _at_hardest(
     return q, reached, nearest
 
 
-def _starts(robot: Robot, hand: Hand, seed: int) -> Array:
-    """Eight postures and the description's seeds, (S, n)."""
+def _starts(robot: Robot, hand: Hand, seed: int) -> Float[np.ndarray, "starts joints"]:
+    """Eight postures and the description's seeds."""
     generator = np.random.default_rng(seed)
     home = robot.clip(robot.home)
     lower = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
@@ -183,13 +185,17 @@ def _starts(robot: Robot, hand: Hand, seed: int) -> Array:
     return np.concatenate([home[None], seeds, near, anywhere])
 
 
-def _limit_cost(robot: Robot, q: Array, joints: NDArray[np.int_]) -> Array:
-    """How much postures press against the joint limits, (...,)."""
+def _limit_cost(
+    robot: Robot, q: Float[np.ndarray, "*batch joints"], joints: Int[np.ndarray, " arm_joints"]
+) -> Float[np.ndarray, "*batch"]:
+    """How much postures press against the joint limits."""
     room = np.minimum(q - robot.lower, robot.upper - q)[..., joints].min(axis=-1)
     return np.maximum(0.0, 1.0 - room / NEAR_LIMIT)
 
 
-def _score(robot: Robot, grasp: Grasp, path: Array, joints: NDArray[np.int_]) -> float:
+def _score(
+    robot: Robot, grasp: Grasp, path: Float[np.ndarray, "checkpoints joints"], joints: Int[np.ndarray, " arm_joints"]
+) -> float:
     jump = float(np.abs(np.diff(path, axis=0))[:, joints].max(initial=0.0))
     travel = float(np.abs(np.diff(path, axis=0))[:, joints].sum(axis=1).mean()) if len(path) > 1 else 0.0
     limits = float(_limit_cost(robot, path, joints).max())
@@ -201,10 +207,11 @@ def choose_grasps(
     robot: Robot,
     collision: CollisionModel,
     poses: Mapping[str, RigidTransform],
-    times: Array,
+    times: Float[np.ndarray, " checkpoints"],
     seed: int = 0,
     human_likeness: float = 0.0,
-    posture: Callable[[Mapping[tuple[str, Hand], RigidTransform], Array], float] | None = None,
+    posture: Callable[[Mapping[tuple[str, Hand], RigidTransform], Float[np.ndarray, "checkpoints joints"]], float]
+    | None = None,
 ) -> list[dict[RoleHand, FollowedGrasp]]:
     """Combinations of grasps for all hands, best first.
 
@@ -215,11 +222,11 @@ def choose_grasps(
         task: model bound to a scene.
         robot: robot standing in the agent frame.
         collision: shapes of the robot and the scene's objects.
-        poses: role -> M poses at the checkpoints, agent frame.
-        times: (M,) of the checkpoints, model's time axis, s.
+        poses: role -> poses at the checkpoints, agent frame.
+        times: of the checkpoints, model's time axis, s.
         seed: of the random starts.
         human_likeness: lambda_h, by which grasps are preferred that let the arm take a person's posture.
-        posture: what else counts of the posture, from the grasps of all hands and (M, n) configurations. It ranks the
+        posture: what else counts of the posture, from the grasps of all hands and the configurations. It ranks the
             combinations, which are made of the grasps that are best for each hand without it.
 
     Returns:
@@ -245,7 +252,7 @@ def choose_grasps(
     combinations = sorted(product(*options), key=lambda items: sum(item.score for item in items))
     keys = [key for _, key in task.holds]
 
-    def further(items: Sequence[FollowedGrasp], configurations: Array) -> float:
+    def further(items: Sequence[FollowedGrasp], configurations: Float[np.ndarray, "checkpoints joints"]) -> float:
         """What counts of the posture beside human-likeness, as a score."""
         if posture is None:
             return 0.0
@@ -271,8 +278,8 @@ def _by_arms_clearance(
     collision: CollisionModel,
     combinations: Sequence[tuple[FollowedGrasp, ...]],
     poses: Mapping[str, RigidTransform],
-    held: Mapping[str, NDArray[np.bool_]],
-    further: Callable[[Sequence[FollowedGrasp], Array], float],
+    held: Mapping[str, Bool[np.ndarray, " checkpoints"]],
+    further: Callable[[Sequence[FollowedGrasp], Float[np.ndarray, "checkpoints joints"]], float],
 ) -> list[tuple[FollowedGrasp, ...]]:
     """The combinations ranked with the clearance between the arms; goes on until enough of them keep clear."""
     keys: list[tuple[MovedObject, Hand]] = [(moved, key.hand) for moved, key in task.holds]
@@ -290,16 +297,18 @@ def _by_arms_clearance(
     return [combinations[i] for i in np.argsort(scores)[:COMBINATIONS]]
 
 
-def _held(moved: MovedObject, times: Array) -> NDArray[np.bool_]:
-    """(M,) at which checkpoints an object is held: from the last one before its lift to the first after its place."""
+def _held(moved: MovedObject, times: Float[np.ndarray, " checkpoints"]) -> Bool[np.ndarray, " checkpoints"]:
+    """At which checkpoints an object is held: from the last one before its lift to the first after its place."""
     first = max(int(np.searchsorted(times, moved.lift, side="right")) - 1, 0)
     last = min(int(np.searchsorted(times, moved.place)), len(times) - 1)
     index = np.arange(len(times))
     return (index >= first) & (index <= last)
 
 
-def _spread(configurations: Array, during: NDArray[np.bool_]) -> Array:
-    """(M, n) at all checkpoints of what is known at some that follow each other: held on before and after them."""
+def _spread(
+    configurations: Float[np.ndarray, "held joints"], during: Bool[np.ndarray, " checkpoints"]
+) -> Float[np.ndarray, "checkpoints joints"]:
+    """At all checkpoints what is known at some that follow each other: held on before and after them."""
     return configurations[np.clip(np.cumsum(during) - 1, 0, len(configurations) - 1)]
 
 
@@ -307,9 +316,9 @@ def _merged(
     robot: Robot,
     keys: Sequence[tuple[MovedObject, Hand]],
     items: Sequence[FollowedGrasp],
-    held: Mapping[str, NDArray[np.bool_]],
-) -> Array:
-    """(M, n) configurations of all hands together; of those that hold nothing at home."""
+    held: Mapping[str, Bool[np.ndarray, " checkpoints"]],
+) -> Float[np.ndarray, "checkpoints joints"]:
+    """Configurations of all hands together; of those that hold nothing at home."""
     configurations = np.tile(robot.home, (len(items[0].configurations), 1))
     for (moved, hand), item in zip(keys, items, strict=True):
         joints = robot.frame_joints(robot.arms[hand].tcp_frame)
@@ -320,12 +329,12 @@ def _merged(
 def _clearances(
     task: Task,
     collision: CollisionModel,
-    configurations: Array,
+    configurations: Float[np.ndarray, "grasps checkpoints joints"],
     poses: Mapping[str, RigidTransform],
-    held: Mapping[str, NDArray[np.bool_]],
+    held: Mapping[str, Bool[np.ndarray, " checkpoints"]],
     kinds: Sequence[str],
-) -> Array:
-    """(G,) smallest distance of the given classes over all checkpoints of (G, M, n) configurations, m."""
+) -> Float[np.ndarray, " grasps"]:
+    """Smallest distance of the given classes over all checkpoints of each grasp's configurations, m."""
     grasps, checkpoints, joints = configurations.shape
     every = np.tile(np.arange(checkpoints), grasps)
     objects = dict(task.T_agent_object)

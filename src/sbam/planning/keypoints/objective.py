@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.demonstration import Hand
@@ -18,7 +18,6 @@ from sbam.planning.settings import PlanSettings
 from sbam.planning.task import Task
 from sbam.robots import Robot
 
-Array = NDArray[np.float64]
 Grasps = Mapping[tuple[str, Hand], RigidTransform]
 
 
@@ -27,7 +26,7 @@ def build_problem(
     robot: Robot,
     T_object_tcp: Grasps,
     settings: PlanSettings,
-    times: Array | None = None,
+    times: Float[np.ndarray, " keypoints"] | None = None,
     free_flight: bool = False,
 ) -> Problem:
     """The problem of bringing a task's objects through its keypoints.
@@ -39,7 +38,7 @@ def build_problem(
         robot: a robot standing in the agent frame.
         T_object_tcp: (role, hand) -> grasp.
         settings: weights of the terms, and further terms.
-        times: (K,) keypoints on the model's time axis, s; default the model's own.
+        times: keypoints on the model's time axis, s; default the model's own.
         free_flight: leave out what is about the posture of a robot.
 
     Returns:
@@ -59,24 +58,24 @@ def build_problem(
 
 
 def posture_cost(
-    task: Task, robot: Robot, settings: PlanSettings, times: Array
-) -> Callable[[Grasps, Array], float] | None:
+    task: Task, robot: Robot, settings: PlanSettings, times: Float[np.ndarray, " moments"]
+) -> Callable[[Grasps, Float[np.ndarray, "moments joints"]], float] | None:
     """What further terms about the robot's posture say of grasps; None if there are no further terms.
 
     Args:
         task: model bound to a scene.
         robot: a robot standing in the agent frame.
         settings: further terms.
-        times: (M,) moments on the model's time axis, s.
+        times: moments on the model's time axis, s.
 
     Returns:
-        From the grasps of all hands and (M, n) configurations to the mean cost of these terms.
+        From the grasps of all hands and the configurations at the moments to the mean cost of these terms.
     """
     factories = list(_further(settings))
     if not factories:
         return None
 
-    def cost(T_object_tcp: Grasps, configurations: Array) -> float:
+    def cost(T_object_tcp: Grasps, configurations: Float[np.ndarray, "moments joints"]) -> float:
         context = _context(task, robot, T_object_tcp, settings, times, free_flight=False)
         terms = tuple(term for make in factories for term in _made(make, context) if term.about_posture)
         state = _workspace(context, terms).state(configurations)
@@ -105,7 +104,12 @@ def _made(make: TermFactory, context: TermContext) -> Iterator[Term]:
 
 
 def _context(
-    task: Task, robot: Robot, T_object_tcp: Grasps, settings: PlanSettings, times: Array | None, free_flight: bool
+    task: Task,
+    robot: Robot,
+    T_object_tcp: Grasps,
+    settings: PlanSettings,
+    times: Float[np.ndarray, " keypoints"] | None,
+    free_flight: bool,
 ) -> TermContext:
     regions = {region for c in task.model.changes for region in (c.pair.first, c.pair.second) if region is not None}
     return TermContext(

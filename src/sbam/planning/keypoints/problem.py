@@ -6,51 +6,49 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.planning.keypoints.state import State, Workspace
 from sbam.planning.keypoints.terms import EXACT, Smoothing, Term
 from sbam.robots.limits import planning_limits
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Problem:
-    """Minimise the sum of the terms over K configurations within the joint limits (paper, equation 1).
+    """Minimise the sum of the terms over all keypoints within the joint limits (paper, equation 1).
 
     Attributes:
         workspace: robot, carried objects and regions.
         terms: objective terms and requirements.
-        count: number K of keypoints.
-        center: (K, n) configurations to stay near, or None.
+        count: number of keypoints.
+        center: configurations to stay near, or None.
         radius: how far each joint may be from them, rad or m: the trust region of terms that are linearised there.
     """
 
     workspace: Workspace
     terms: tuple[Term, ...]
     count: int
-    center: Array | None = None
+    center: Float[np.ndarray, "keypoints joints"] | None = None
     radius: float = np.inf
 
     @cached_property
-    def lower(self) -> Array:
-        """(n,) or (K, n) lower joint limits to plan with, rad or m; -inf for continuous joints."""
+    def lower(self) -> Float[np.ndarray, "*keypoints joints"]:
+        """Lower joint limits to plan with, of all keypoints or of each, rad or m; -inf for continuous joints."""
         limit = planning_limits(self.workspace.robot)[0]
         return limit if self.center is None else np.maximum(limit, self.center - self.radius)
 
     @cached_property
-    def upper(self) -> Array:
-        """(n,) or (K, n) upper joint limits to plan with, rad or m; inf for continuous joints."""
+    def upper(self) -> Float[np.ndarray, "*keypoints joints"]:
+        """Upper joint limits to plan with, of all keypoints or of each, rad or m; inf for continuous joints."""
         limit = planning_limits(self.workspace.robot)[1]
         return limit if self.center is None else np.minimum(limit, self.center + self.radius)
 
-    def project(self, configurations: Array) -> Array:
+    def project(self, configurations: Float[np.ndarray, "*keypoints joints"]) -> Float[np.ndarray, "*keypoints joints"]:
         """The nearest configurations within the joint limits."""
         return np.clip(configurations, self.lower, self.upper)
 
-    def state(self, configurations: Array) -> State:
-        """State of (K, n) configurations."""
+    def state(self, configurations: Float[np.ndarray, "keypoints joints"]) -> State:
+        """State of the configurations of all keypoints."""
         return self.workspace.state(configurations)
 
     def merit(self, state: State, smoothing: Smoothing = EXACT) -> float:

@@ -10,12 +10,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.robots import Kinematics, Robot, point_jacobian, rotation_jacobian
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -39,11 +37,11 @@ class RegionPoint:
 
     Attributes:
         carrying: index of the carrying that moves it, or -1 where it stands still.
-        position: (3,) m; in the object's frame if carried, else in the agent frame.
+        position: m; in the object's frame if carried, else in the agent frame.
     """
 
     carrying: int
-    position: Array
+    position: Float[np.ndarray, " 3"]
 
 
 class Workspace:
@@ -80,28 +78,28 @@ class Workspace:
 
         self.moving_arm = np.concatenate([self.region_arm, self.arm_of])
 
-    def state(self, configurations: Array) -> State:
-        """The state of K configurations, (K, n) rad or m."""
+    def state(self, configurations: Float[np.ndarray, "keypoints joints"]) -> State:
+        """The state of configurations, rad or m."""
         return State(self, configurations, self.robot.kinematics(configurations, self._frames))
 
 
 @dataclass(frozen=True)
 class State:
-    """K configurations and what follows from them; Jacobians are computed when asked for.
+    """Configurations and what follows from them; Jacobians are computed when asked for.
 
     Attributes:
         workspace: robot, carried objects and regions.
-        configurations: (K, n) rad or m.
+        configurations: rad or m.
         kinematics: first frames are the arms' TCPs, in the order of ``workspace.arms``.
     """
 
     workspace: Workspace
-    configurations: Array
+    configurations: Float[np.ndarray, "keypoints joints"]
     kinematics: Kinematics
 
     @cached_property
-    def region_position(self) -> Array:
-        """(K, R, 3) region centres in the agent frame, m."""
+    def region_position(self) -> Float[np.ndarray, "keypoints regions 3"]:
+        """Region centres in the agent frame, m."""
         w, k = self.workspace, self.kinematics
         positions = np.broadcast_to(w.still, (len(self.configurations), *w.still.shape)).copy()
         if len(w.carried):
@@ -110,15 +108,15 @@ class State:
         return positions
 
     @cached_property
-    def moving_jacobian(self) -> Array:
-        """(K, N, 3, n) derivative of all points that move: the carried regions' centres, then the objects' origins."""
+    def moving_jacobian(self) -> Float[np.ndarray, "keypoints points 3 joints"]:
+        """Derivative of all points that move: the carried regions' centres, then the objects' origins."""
         w = self.workspace
         points = np.concatenate([self.region_position[:, w.carried], self.object_position], axis=1)
         return self.point_jacobian(points, w.moving_arm)
 
     @property
-    def region_jacobian(self) -> Array:
-        """(K, R, 3, n) derivative of the region centres with respect to the configuration."""
+    def region_jacobian(self) -> Float[np.ndarray, "keypoints regions 3 joints"]:
+        """Derivative of the region centres with respect to the configuration."""
         w = self.workspace
         count, joints = self.configurations.shape
         jacobian = np.zeros((count, len(w.regions), 3, joints))
@@ -126,19 +124,19 @@ class State:
         return jacobian
 
     @cached_property
-    def object_position(self) -> Array:
-        """(K, O, 3) origins of the carried objects in the agent frame, m."""
+    def object_position(self) -> Float[np.ndarray, "keypoints objects 3"]:
+        """Origins of the carried objects in the agent frame, m."""
         w, k = self.workspace, self.kinematics
         return k.position[:, w.arm_of] + np.matvec(k.rotation[:, w.arm_of], w.tcp_to_object)
 
     @cached_property
-    def object_rotation(self) -> Array:
-        """(K, O, 3, 3) rotation matrices of the carried objects in the agent frame."""
+    def object_rotation(self) -> Float[np.ndarray, "keypoints objects 3 3"]:
+        """Rotation matrices of the carried objects in the agent frame."""
         w = self.workspace
         return self.kinematics.rotation[:, w.arm_of] @ w.R_tcp_object
 
     def object_poses(self) -> dict[str, RigidTransform]:
-        """Role -> K poses of the carried object, agent frame."""
+        """Role -> poses of the carried object, agent frame."""
         return {
             carrying.role: RigidTransform.from_components(
                 self.object_position[:, i], Rotation.from_matrix(self.object_rotation[:, i])
@@ -147,27 +145,29 @@ class State:
         }
 
     @property
-    def object_jacobian(self) -> Array:
-        """(K, O, 3, n) derivative of the carried objects' origins."""
+    def object_jacobian(self) -> Float[np.ndarray, "keypoints objects 3 joints"]:
+        """Derivative of the carried objects' origins."""
         return self.moving_jacobian[:, len(self.workspace.carried) :]
 
     @cached_property
-    def object_rotation_jacobian(self) -> Array:
-        """(K, O, 3, n) angular velocity of the carried objects, agent frame, per joint velocity."""
+    def object_rotation_jacobian(self) -> Float[np.ndarray, "keypoints objects 3 joints"]:
+        """Angular velocity of the carried objects, agent frame, per joint velocity."""
         return self.angular_jacobian(self.workspace.arm_of)
 
-    def point_jacobian(self, points: Array, arm: NDArray[np.int_]) -> Array:
+    def point_jacobian(
+        self, points: Float[np.ndarray, "keypoints points 3"], arm: Int[np.ndarray, " points"]
+    ) -> Float[np.ndarray, "keypoints points 3 joints"]:
         """Jacobian of points that move with an arm's TCP.
 
         Args:
-            points: (K, R, 3) m, agent frame.
-            arm: (R,) index of the arm that moves each point.
+            points: m, agent frame.
+            arm: index of the arm that moves each point.
 
         Returns:
-            (K, R, 3, n); zero for joints that do not move the arm.
+            The Jacobian; zero for joints that do not move the arm.
         """
         return point_jacobian(self.kinematics, points, self.workspace.arm_joints[arm])
 
-    def angular_jacobian(self, arm: NDArray[np.int_]) -> Array:
-        """(K, R, 3, n) angular velocity of arms' TCPs per joint velocity, agent frame."""
+    def angular_jacobian(self, arm: Int[np.ndarray, " frames"]) -> Float[np.ndarray, "keypoints frames 3 joints"]:
+        """Angular velocity of arms' TCPs per joint velocity, agent frame."""
         return rotation_jacobian(self.kinematics, self.workspace.arm_joints[arm])

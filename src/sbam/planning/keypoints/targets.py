@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.constraints import CARTESIAN, RegionReference
 from sbam.learning.generalization import GeneralizedChange
@@ -14,17 +14,16 @@ from sbam.learning.strokes import LEAST_STROKES
 from sbam.planning.settings import PlanSettings
 from sbam.planning.task import Task
 
-Array = NDArray[np.float64]
-
-
 START_SPREADS = 2.0
 """A start this many standard deviations from the mean demonstrated one is still as in the demonstrations."""
 STROKE_SAMPLES = 200  # of the slope, from the first turning point to the last
 IN_PLANE = np.array([1.0, 1.0, 0.0])
 
 
-def pair_target(task: Task, change: GeneralizedChange, times: Array, settings: PlanSettings) -> Array:
-    """What a pair shall be, (K, C) in the channels' units: in mode ``paper`` its learned mean.
+def pair_target(
+    task: Task, change: GeneralizedChange, times: Float[np.ndarray, " keypoints"], settings: PlanSettings
+) -> Float[np.ndarray, "keypoints channels"]:
+    """What a pair shall be, in the channels' units: in mode ``paper`` its learned mean.
 
     In mode ``default`` it is
 
@@ -49,7 +48,9 @@ def pair_target(task: Task, change: GeneralizedChange, times: Array, settings: P
     return mean + (further - placement.offset if change.pair.is_own_start else further)
 
 
-def _of_length(mean: Array, vector: Array) -> Array:
+def _of_length(
+    mean: Float[np.ndarray, "keypoints 3"], vector: Float[np.ndarray, " 3"]
+) -> Float[np.ndarray, "keypoints 3"]:
     length, learned = np.linalg.norm(vector), np.linalg.norm(mean, axis=-1, keepdims=True)
     return np.where(learned > 0.1 * length, mean * length / np.maximum(learned, 1e-9), mean)
 
@@ -64,8 +65,8 @@ def compared_changes(task: Task, settings: PlanSettings) -> list[GeneralizedChan
     return [c for c in task.model.changes if not (c.pair.is_own_start and c.pair.first in placed)]
 
 
-def vector_shift(task: Task, change: GeneralizedChange) -> Array:
-    """What is to be added to a pair's vector first - second, (3,) m: that of a support is measured from the agent."""
+def vector_shift(task: Task, change: GeneralizedChange) -> Float[np.ndarray, " 3"]:
+    """What is to be added to a pair's vector first - second, m: that of a support is measured from the agent."""
     second = change.pair.second
     return task.region_at_start(second) * IN_PLANE if second and change.from_agent else np.zeros(3)
 
@@ -90,18 +91,18 @@ class Placement:
         supports: the pairs region - support of the object.
         own_starts: the same regions against their own starts.
         start_std: standard deviation of the region's start in the plane, m.
-        offset: (3,) of the region's start from the mean demonstrated one, in the plane, agent frame, m.
+        offset: of the region's start from the mean demonstrated one, in the plane, agent frame, m.
         strokes: times of the first and the last turning point of an object that goes to and fro, s; else None.
     """
 
     supports: tuple[GeneralizedChange, ...]
     own_starts: tuple[GeneralizedChange, ...]
     start_std: float
-    offset: Array
+    offset: Float[np.ndarray, " 3"]
     strokes: tuple[float, float] | None = None
 
-    def slope(self, times: Array) -> Array:
-        """(K,) how far the object follows its start: 0 not at all, 1 all the way; 1 if all started alike."""
+    def slope(self, times: Float[np.ndarray, " keypoints"]) -> Float[np.ndarray, " keypoints"]:
+        """How far the object follows its start: 0 not at all, 1 all the way; 1 if all started alike."""
         slope = self._momentary_slope(times)
         if self.strokes:
             first, last = self.strokes
@@ -109,21 +110,23 @@ class Placement:
             slope[during] = self._momentary_slope(np.linspace(first, last, STROKE_SAMPLES)).mean()
         return slope
 
-    def _momentary_slope(self, times: Array) -> Array:
+    def _momentary_slope(self, times: Float[np.ndarray, " keypoints"]) -> Float[np.ndarray, " keypoints"]:
         at_start = _variance(self.supports, np.zeros(1))[0]
         if at_start < 1e-6:
             return np.ones(len(times))
         away = at_start - _variance(self.own_starts, times)
         return np.clip((_variance(self.supports, times) + away) / (2.0 * at_start), 0.0, 1.0)
 
-    def further(self, times: Array) -> Array:
-        """(K, 3) m: how much further than in the mean demonstration the region is to be."""
+    def further(self, times: Float[np.ndarray, " keypoints"]) -> Float[np.ndarray, "keypoints 3"]:
+        """How much further than in the mean demonstration the region is to be, m."""
         beyond = 1.0 - START_SPREADS * self.start_std / max(float(np.linalg.norm(self.offset)), 1e-9)
         return np.maximum(self.slope(times), beyond)[:, None] * self.offset
 
 
-def _variance(changes: Sequence[GeneralizedChange], times: Array) -> Array:
-    """Sum (K,) of the changes' variances in the plane, m^2."""
+def _variance(
+    changes: Sequence[GeneralizedChange], times: Float[np.ndarray, " keypoints"]
+) -> Float[np.ndarray, " keypoints"]:
+    """Sum of the changes' variances in the plane, m^2."""
     return np.square([change.at(times)[1][:, :2] for change in changes]).sum(axis=(0, 2))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.solvers.result import Solution
@@ -12,7 +12,9 @@ from sbam.planning.keypoints.solvers.result import Solution
 REQUIREMENT = 5.0
 
 
-def unreached(problem: Problem, solution: Solution, free: Solution, times: NDArray[np.float64]) -> list[str]:
+def unreached(
+    problem: Problem, solution: Solution, free: Solution, times: Float[np.ndarray, " keypoints"]
+) -> list[str]:
     """Keypoints that the robot cannot reach, with the term and the joints that stop it.
 
     A keypoint counts as unreached if a requirement is off by more than its tolerance, or if a group of another term

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.constraints import constraint_type
 from sbam.learning.generalization import GeneralizedChange
 from sbam.learning.model import ActionModel
 from sbam.scene import is_support
 
-Array = NDArray[np.float64]
 
-
-def pair_weights(model: ActionModel, change: GeneralizedChange, times: Array, proximity: float) -> Array:
-    """Weights (K, C) of one pair; in mode ``paper`` 1/(1 + std).
+def pair_weights(
+    model: ActionModel, change: GeneralizedChange, times: Float[np.ndarray, " keypoints"], proximity: float
+) -> Float[np.ndarray, "keypoints channels"]:
+    """Weights of one pair; in mode ``paper`` 1/(1 + std).
 
     In mode ``default`` the standard deviation over n demonstrations is joined by a prior that counts as one more:
     regions that are near each other are related more closely than distant ones, sigma = proximity |d|. It decides what
@@ -27,7 +27,7 @@ def pair_weights(model: ActionModel, change: GeneralizedChange, times: Array, pr
     Args:
         model: the action model.
         change: the pair's generalised change.
-        times: (K,) s.
+        times: on the model's time axis, s.
         proximity: sigma per distance, 0 for none.
     """
     constraint = constraint_type(change.constraint).in_mode(model.mode)
@@ -41,7 +41,7 @@ def pair_weights(model: ActionModel, change: GeneralizedChange, times: Array, pr
     return constraint.weights(std, mean)
 
 
-def _rest(change: GeneralizedChange, start: Array) -> Array:
+def _rest(change: GeneralizedChange, start: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
     """Where a pair's distance is measured from: on a support from where it stood at the start, else from zero."""
     second = change.pair.second
     if second is not None and is_support(second.affordance):

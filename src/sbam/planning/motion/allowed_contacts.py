@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float
 
 from sbam.planning.motion.timeline import Phase
 from sbam.planning.motion.transfer import LINE_TIME
@@ -30,9 +30,9 @@ def collision_model(task: Task, robot: Robot) -> CollisionModel:
 
 
 def touching_hands(
-    task: Task, phases: Sequence[Phase], clock: NDArray[np.float64]
-) -> dict[ObjectHand, NDArray[np.bool_]]:
-    """(object, hand) -> (N,) when it may touch the object: on the straight ways to and from it, and between."""
+    task: Task, phases: Sequence[Phase], clock: Float[np.ndarray, " ticks"]
+) -> dict[ObjectHand, Bool[np.ndarray, " ticks"]]:
+    """(object, hand) -> when it may touch the object: on the straight ways to and from it, and between."""
     masks = {}
     for moved in task.moved:
         for hand in moved.hands:

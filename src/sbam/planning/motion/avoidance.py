@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float, Int
 
 from sbam.errors import UnreachableError
 from sbam.planning.keypoints.problem import Problem
@@ -22,8 +22,6 @@ from sbam.planning.settings import PlanSettings
 from sbam.planning.task import Task
 from sbam.robots import Robot, point_jacobian
 from sbam.robots.collision import CollisionModel
-
-Array = NDArray[np.float64]
 
 ROUNDS = 6  # linearisations of the distances
 RADIUS = 0.25  # rad (or m) that a joint may move per linearisation
@@ -92,8 +90,8 @@ def clearance_term(
     robot: Robot,
     collision: CollisionModel,
     motion: Motion,
-    times: Array,
-    configurations: Array,
+    times: Float[np.ndarray, " keypoints"],
+    configurations: Float[np.ndarray, "keypoints joints"],
     margin: float,
 ) -> Clearance:
     """Find what is near while objects are carried, and how the keypoints change its distance.
@@ -103,8 +101,8 @@ def clearance_term(
         robot: robot standing in the agent frame.
         collision: shapes of the robot and the scene's objects.
         motion: the dense motion that was made of the keypoints.
-        times: (K,) keypoints on the model's time axis, s.
-        configurations: (K, n) at the keypoints.
+        times: keypoints on the model's time axis, s.
+        configurations: at the keypoints.
         margin: distance wanted, m.
 
     Returns:
@@ -132,9 +130,14 @@ def clearance_term(
 
 
 def _point_jacobian(
-    task: Task, robot: Robot, points: Array, owners: tuple[str, ...], q: Array, steered: NDArray[np.bool_]
-) -> Array:
-    """(N, 3, n) of points on a robot's bodies or on objects, which move while they are carried."""
+    task: Task,
+    robot: Robot,
+    points: Float[np.ndarray, "points 3"],
+    owners: tuple[str, ...],
+    q: Float[np.ndarray, "points joints"],
+    steered: Bool[np.ndarray, "points joints"],
+) -> Float[np.ndarray, "points 3 joints"]:
+    """Jacobians of points on a robot's bodies or on objects, which move while they are carried."""
     carrier = {moved.name: robot.arms[moved.hands[0]].tcp_frame for moved in task.moved}
     still = np.zeros(q.shape[1], dtype=bool)
     frames = [carrier.get(owner, owner) for owner in owners]
@@ -144,9 +147,14 @@ def _point_jacobian(
 
 
 def _by_interval(
-    configurations: Array, margin: float, interval: NDArray[np.int_], distance: Array, fraction: Array, gradient: Array
+    configurations: Float[np.ndarray, "keypoints joints"],
+    margin: float,
+    interval: Int[np.ndarray, " pairs"],
+    distance: Float[np.ndarray, " pairs"],
+    fraction: Float[np.ndarray, " pairs"],
+    gradient: Float[np.ndarray, "pairs joints"],
 ) -> Clearance:
-    """Sort N near pairs into the intervals between keypoints."""
+    """Sort near pairs into the intervals between keypoints."""
     count, joints = configurations.shape
     order = np.argsort(interval, kind="stable")
     first = np.searchsorted(interval[order], interval[order])

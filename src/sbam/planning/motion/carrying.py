@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.interpolate import pchip_interpolate
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import RigidTransform
@@ -20,8 +20,6 @@ from sbam.planning.task import MovedObject, RoleHand, Task
 from sbam.robots import Robot
 from sbam.robots.follow import follow
 
-Array = NDArray[np.float64]
-
 MARGIN = 25  # ticks
 CLOSING_TIME = 0.3  # s in which the fingers close before the lift and open after the place
 
@@ -32,18 +30,18 @@ class Holding:
 
     Attributes:
         grasps: (role, hand) -> grasp.
-        keypoint_times: (K,) s.
-        torso: (K, m) the torso's joints at the keypoints.
+        keypoint_times: on the model's time axis, s.
+        torso: the torso's joints at the keypoints.
         paths: role -> path of its object at every tick from before the lift to after the place.
-        configurations: (role, hand) -> (M, n) from lift to place.
+        configurations: (role, hand) -> those from lift to place.
         timeline: all of them together; before its grasp and after its release a hand stays there.
     """
 
     grasps: Mapping[RoleHand, Grasp]
-    keypoint_times: Array
-    torso: Array
+    keypoint_times: Float[np.ndarray, " keypoints"]
+    torso: Float[np.ndarray, "keypoints torso_joints"]
     paths: Mapping[str, ObjectPath]
-    configurations: Mapping[RoleHand, Array]
+    configurations: Mapping[RoleHand, Float[np.ndarray, "_ticks joints"]]
     timeline: Timeline
 
 
@@ -51,8 +49,8 @@ def hold_objects(
     task: Task,
     robot: Robot,
     grasps: Mapping[RoleHand, Grasp],
-    keypoint_times: Array,
-    configurations: Array,
+    keypoint_times: Float[np.ndarray, " keypoints"],
+    configurations: Float[np.ndarray, "keypoints joints"],
     object_poses: Mapping[str, RigidTransform],
     joints_between: Literal["lines", "splines"] | None = None,
     shapes: Mapping[str, DemonstratedShape] | None = None,
@@ -63,9 +61,9 @@ def hold_objects(
         task: model bound to a scene.
         robot: robot standing in the agent frame.
         grasps: (role, hand) -> grasp.
-        keypoint_times: (K,) s.
-        configurations: (K, n) optimised configurations, which settle the redundancy.
-        object_poses: role -> K poses at the keypoints, agent frame.
+        keypoint_times: on the model's time axis, s.
+        configurations: optimised configurations, which settle the redundancy.
+        object_poses: role -> poses at the keypoints, agent frame.
         joints_between: interpolate the joints between keypoints instead of what is wanted: by straight lines, as the
             paper does, or by monotone cubic splines.
         shapes: role -> how its object moved in the demonstrations, to be kept between keypoints.
@@ -76,13 +74,13 @@ def hold_objects(
     shapes = shapes or {}
     configurations = _with_steady_torso(task, robot, keypoint_times, configurations)
     paths: dict[str, ObjectPath] = {}
-    holds: dict[RoleHand, Array] = {}
+    holds: dict[RoleHand, Float[np.ndarray, "_ticks joints"]] = {}
     for moved in task.moved:
         ticks, poses = _hold_times(moved), object_poses[moved.role]
         path = object_path(task, moved, keypoint_times, poses, _longer(ticks), shapes.get(moved.role))
         paths[moved.role] = path
         for hand in moved.hands:
-            hold: Array
+            hold: Float[np.ndarray, "ticks joints"]
             if joints_between == "splines":
                 hold = np.asarray(pchip_interpolate(keypoint_times, configurations, ticks))
             elif joints_between == "lines":
@@ -95,7 +93,12 @@ def hold_objects(
     return Holding(grasps, keypoint_times, torso, paths, holds, _timeline(task, robot, holds))
 
 
-def _with_steady_torso(task: Task, robot: Robot, keypoint_times: Array, configurations: Array) -> Array:
+def _with_steady_torso(
+    task: Task,
+    robot: Robot,
+    keypoint_times: Float[np.ndarray, " keypoints"],
+    configurations: Float[np.ndarray, "keypoints joints"],
+) -> Float[np.ndarray, "keypoints joints"]:
     """The keypoints with a torso that moves only while all objects are held: what one hand does to it both feel."""
     if len(robot.torso_indices) == 0 or not task.moved:
         return configurations
@@ -108,20 +111,24 @@ def _with_steady_torso(task: Task, robot: Robot, keypoint_times: Array, configur
     return result
 
 
-def references(keypoint_times: Array, values: Array, time: Array) -> Array:
-    """Keypoint values (K, m) between keypoints, at even times (N,) and without corners, (N, m)."""
+def references(
+    keypoint_times: Float[np.ndarray, " keypoints"],
+    values: Float[np.ndarray, "keypoints columns"],
+    time: Float[np.ndarray, " ticks"],
+) -> Float[np.ndarray, "ticks columns"]:
+    """Keypoint values between keypoints, at even times and without corners."""
     between = np.empty((len(time), values.shape[1]))
     for index, column in enumerate(values.T):
         between[:, index] = np.interp(time, keypoint_times, column)
     return gaussian_filter1d(between, SMOOTHING / STEP, axis=0, mode="nearest")
 
 
-def _hold_times(moved: MovedObject) -> Array:
+def _hold_times(moved: MovedObject) -> Float[np.ndarray, " ticks"]:
     """Model times of the ticks from just before the lift to just after the place, s."""
     return STEP * np.arange(np.floor(moved.lift / STEP), np.ceil(moved.place / STEP) + 1.0, dtype=np.float64)
 
 
-def _longer(times: Array) -> Array:
+def _longer(times: Float[np.ndarray, " ticks"]) -> Float[np.ndarray, " more_ticks"]:
     """A hold's times with `MARGIN` more ticks at both ends.
 
     What is smoothed over them equals, on the hold, what is smoothed over the whole action.
@@ -134,11 +141,11 @@ def _hold(
     robot: Robot,
     moved: MovedObject,
     grasp: Grasp,
-    keypoint_times: Array,
-    configurations: Array,
+    keypoint_times: Float[np.ndarray, " keypoints"],
+    configurations: Float[np.ndarray, "keypoints joints"],
     pose: RigidTransform,
-) -> Array:
-    """Configurations (M, n) of one arm that keep its grasp of the object on every tick of `_hold_times`."""
+) -> Float[np.ndarray, "ticks joints"]:
+    """Configurations of one arm that keep its grasp of the object on every tick of `_hold_times`."""
     times = _hold_times(moved)
     tcp = pose * grasp.T_object_tcp
     clipped = np.clip(_longer(times), moved.lift, moved.place)
@@ -149,7 +156,7 @@ def _hold(
     return solved
 
 
-def _timeline(task: Task, robot: Robot, holds: Mapping[RoleHand, Array]) -> Timeline:
+def _timeline(task: Task, robot: Robot, holds: Mapping[RoleHand, Float[np.ndarray, "_ticks joints"]]) -> Timeline:
     """Every hand from grasp to release; before and after it stays there."""
     closing = round(CLOSING_TIME / STEP)
     lifts = {moved.role: round(_hold_times(moved)[0] / STEP) for moved in task.moved}

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import Rotation, Slerp
 
 from sbam.learning.anchors import locate_anchors, warp
@@ -14,8 +14,6 @@ from sbam.learning.model import ActionModel
 from sbam.learning.movement_primitive import MovementPrimitive, learn_primitive
 from sbam.learning.sketch import DemonstrationSketch
 from sbam.planning.task import MovedObject, Task
-
-Array = NDArray[np.float64]
 
 STEP = 0.02  # s between the samples that a primitive is learned from
 POSITION_SPREAD = 0.02  # m: how readily the demonstrated shape is left for a keypoint
@@ -72,9 +70,13 @@ def _shape(model: ActionModel, moved: MovedObject, affordances: tuple[str, ...])
 
 
 def _demonstrated(
-    model: ActionModel, sketch: DemonstrationSketch, role: str, affordances: tuple[str, ...], time: Array
-) -> tuple[Array, Rotation] | None:
-    """Path (T, 3) of the acting point, and rotations from the start, at times of the model; None if not kept."""
+    model: ActionModel,
+    sketch: DemonstrationSketch,
+    role: str,
+    affordances: tuple[str, ...],
+    time: Float[np.ndarray, " samples"],
+) -> tuple[Float[np.ndarray, "samples 3"], Rotation] | None:
+    """Path of the acting point, and rotations from the start, at times of the model; None if not kept."""
     path = next((path for path in sketch.paths if path.role == role), None)
     player = next((player for player in sketch.roles if player.role == role), None)
     if path is None or player is None or player.start is None or not set(affordances) <= set(player.affordances):

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import RigidTransform, Slerp
 
@@ -23,27 +23,25 @@ from sbam.planning.task import RoleHand, Task
 from sbam.robots import Robot
 from sbam.robots.collision import CollisionModel
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Motion:
     """The dense motion before it is timed.
 
     Attributes:
-        clock: (N,) uniform, s; starts before 0 where approaches take longer than the person's.
-        model_time: (N,) s on the model's axis at these ticks: the clock, as long as nothing has waited.
-        configurations: (N, n) rad or m.
-        T_agent_object: object name -> N poses of every moved object at these ticks, agent frame.
+        clock: uniform, s; starts before 0 where approaches take longer than the person's.
+        model_time: on the model's axis, s, at these ticks: the clock, as long as nothing has waited.
+        configurations: rad or m.
+        T_agent_object: object name -> poses of every moved object at these ticks, agent frame.
         phases: what each hand does when.
         surplus: least distance beyond the one asked for that was found on the ways to and from the objects, m.
         narrowest: (role, hand) whose way that is.
         notes: a sentence for each time that one arm waits for the other.
     """
 
-    clock: Array
-    model_time: Array
-    configurations: Array
+    clock: Float[np.ndarray, " ticks"]
+    model_time: Float[np.ndarray, " ticks"]
+    configurations: Float[np.ndarray, "ticks joints"]
     T_agent_object: Mapping[str, RigidTransform]
     phases: tuple[Phase, ...]
     surplus: float
@@ -96,8 +94,12 @@ def _motion(task: Task, holding: Holding, timeline: Timeline, surplus: float, na
     )
 
 
-def _at(model_time: Array, keypoint_times: Array, values: Array) -> Array:
-    """Keypoint values (K, m) at increasing model times (N,), without corners, (N, m)."""
+def _at(
+    model_time: Float[np.ndarray, " ticks"],
+    keypoint_times: Float[np.ndarray, " keypoints"],
+    values: Float[np.ndarray, "keypoints columns"],
+) -> Float[np.ndarray, "ticks columns"]:
+    """Keypoint values at increasing model times, without corners."""
     if values.shape[1] == 0:
         return np.empty((len(model_time), 0))
     first, last = np.floor(model_time[0] / STEP), np.ceil(model_time[-1] / STEP)
@@ -105,7 +107,14 @@ def _at(model_time: Array, keypoint_times: Array, values: Array) -> Array:
     return make_interp_spline(even, references(keypoint_times, values, even), k=3)(model_time)
 
 
-def _move_torso(robot: Robot, clock: Array, path: Array, phases: Sequence[Phase], home: Array, torso: Array) -> None:
+def _move_torso(
+    robot: Robot,
+    clock: Float[np.ndarray, " ticks"],
+    path: Float[np.ndarray, "ticks joints"],
+    phases: Sequence[Phase],
+    home: Float[np.ndarray, " joints"],
+    torso: Float[np.ndarray, "ticks torso_joints"],
+) -> None:
     """Bring the torso from home to where it is needed before any hand comes near, and back after all have left."""
     if len(robot.torso_indices) == 0 or not phases:
         return

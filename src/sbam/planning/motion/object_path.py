@@ -12,15 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.interpolate import pchip_interpolate
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 
 from sbam.planning.motion.demonstrated_shape import DemonstratedShape, demonstrated_shapes
 from sbam.planning.task import MovedObject, Task
-
-Array = NDArray[np.float64]
 
 SMOOTHING = 0.05  # s: standard deviation of the Gaussian that rounds the corners at keypoints
 EASING = 0.20  # s after the lift and before the place over which rounding fades out, so that objects rest exactly
@@ -32,17 +30,17 @@ class ObjectPath:
 
     Attributes:
         role: its role.
-        model_time: (N,) uniform, s.
-        pose: N poses in the agent frame.
+        model_time: uniform, s.
+        pose: poses in the agent frame.
     """
 
     role: str
-    model_time: Array
+    model_time: Float[np.ndarray, " ticks"]
     pose: RigidTransform
 
 
-def acting_point(task: Task, moved: MovedObject) -> Array:
-    """The point whose path matters most, in the object's frame, (3,) m: the mean centre of `acting_affordances`."""
+def acting_point(task: Task, moved: MovedObject) -> Float[np.ndarray, " 3"]:
+    """The point whose path matters most, in the object's frame, m: the mean centre of `acting_affordances`."""
     centers = [moved.model.region(affordance).center for affordance in acting_affordances(task, moved)]
     return np.mean(centers, axis=0)
 
@@ -78,9 +76,9 @@ def shapes_of(task: Task) -> dict[str, DemonstratedShape]:
 def object_path(
     task: Task,
     moved: MovedObject,
-    keypoint_times: Array,
+    keypoint_times: Float[np.ndarray, " keypoints"],
     keypoint_poses: RigidTransform,
-    time: Array,
+    time: Float[np.ndarray, " ticks"],
     shape: DemonstratedShape | None = None,
 ) -> ObjectPath:
     """Interpolate an object's keypoint poses; before its lift and after its place it rests exactly.
@@ -88,9 +86,9 @@ def object_path(
     Args:
         task: model bound to a scene.
         moved: the object.
-        keypoint_times: (K,) s.
-        keypoint_poses: K poses, agent frame.
-        time: (N,) uniform grid on the model's time axis, s; may reach beyond the keypoints.
+        keypoint_times: on the model's time axis, s.
+        keypoint_poses: poses at the keypoints, agent frame.
+        time: uniform grid on the model's time axis, s; may reach beyond the keypoints.
         shape: how the object moved in the demonstrations, to be kept between the keypoints.
 
     Returns:
@@ -116,7 +114,7 @@ def object_path(
         aside = shape.rotation.through(times, np.zeros((len(times), 3)), clipped)
         rotation = rotation * Rotation.from_rotvec(aside)
 
-    def rounded(via: Array) -> Array:
+    def rounded(via: Float[np.ndarray, "points 3"]) -> Float[np.ndarray, "ticks 3"]:
         path = shape.position.through(times, via, clipped) if shape else pchip_interpolate(times, via, clipped)
         return gaussian_filter1d(path, width, axis=0, mode="nearest")
 
@@ -137,7 +135,7 @@ def object_path(
     return ObjectPath(moved.role, time, RigidTransform.from_components(position - rotation.apply(point), rotation))
 
 
-def ease(share: Array) -> Array:
+def ease(share: Float[np.ndarray, "*batch"]) -> Float[np.ndarray, "*batch"]:
     """Quintic from 0 at 0 to 1 at 1 with zero velocity and acceleration at both ends; clipped outside."""
     s = np.clip(share, 0.0, 1.0)
     return s**3 * (10.0 + s * (-15.0 + 6.0 * s))

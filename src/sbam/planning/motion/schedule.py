@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.demonstration import Hand
@@ -18,8 +18,6 @@ from sbam.planning.motion.transfer import Meets, Surroundings, Way, way_to_grasp
 from sbam.planning.task import MovedObject, RoleHand, Task
 from sbam.robots import ObjectHand, Robot
 from sbam.robots.collision import CollisionModel
-
-Array = NDArray[np.float64]
 
 
 def with_ways(
@@ -98,7 +96,7 @@ def _meeting(
     at_object = _at_object(timeline, moved.role, hand, arriving)
     known = {(phase.role, phase.hand, phase.name) for phase in timeline.phases}
 
-    def meets(ticks: Array, on_line: NDArray[np.bool_]) -> Surroundings:
+    def meets(ticks: Float[np.ndarray, " samples"], on_line: Bool[np.ndarray, " samples"]) -> Surroundings:
         index = (at_object + (-ticks if arriving else ticks)).round().astype(int)
         clock = STEP * (timeline.first + index)
         rows = index.clip(0, len(timeline.model_time) - 1)
@@ -122,7 +120,7 @@ def _meeting(
     return meets
 
 
-def poses_at(path: ObjectPath, model_time: Array) -> RigidTransform:
+def poses_at(path: ObjectPath, model_time: Float[np.ndarray, " ticks"]) -> RigidTransform:
     """Poses at the ticks nearest to model times; beyond its ends an object rests."""
     index = ((model_time - path.model_time[0]) / STEP).round().astype(int)
     return path.pose[index.clip(0, len(path.model_time) - 1)]

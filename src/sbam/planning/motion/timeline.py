@@ -9,12 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 from scipy.interpolate import make_interp_spline
 
 from sbam.demonstrations.demonstration import Hand
-
-Array = NDArray[np.float64]
 
 STEP = 0.02  # s between the configurations that are solved for
 EASE_TICKS = 20  # ticks over which the action comes to a standstill, and again over which it gathers way
@@ -32,7 +30,7 @@ class Phase:
     role: str = ""
 
 
-def lag(ticks: Array) -> Array:
+def lag(ticks: Float[np.ndarray, "*batch"]) -> Float[np.ndarray, "*batch"]:
     """How many ticks of the action are left when it will stand still in so many ticks; also how many it has gone since.
 
     Its rate changes with the quintic of `sbam.planning.motion.object_path.ease`; this is the integral.
@@ -47,21 +45,21 @@ class Timeline:
 
     Attributes:
         first: tick of the first sample.
-        model_time: (N,) s on the model's axis at every tick.
-        configurations: (N, n) rad or m.
+        model_time: on the model's axis, s, at every tick.
+        configurations: rad or m.
         phases: what each hand does when, as far as it is known.
         notes: a sentence for each standstill.
     """
 
     first: int
-    model_time: Array
-    configurations: Array
+    model_time: Float[np.ndarray, " ticks"]
+    configurations: Float[np.ndarray, "ticks joints"]
     phases: tuple[Phase, ...]
     notes: tuple[str, ...] = ()
 
     @property
-    def clock(self) -> Array:
-        """(N,) s."""
+    def clock(self) -> Float[np.ndarray, " ticks"]:
+        """Times of the ticks, s."""
         return STEP * (self.first + np.arange(len(self.model_time), dtype=np.float64))
 
     def phase(self, hand: Hand, role: str, name: str) -> Phase:
@@ -88,7 +86,9 @@ class Timeline:
             configurations=self.configurations[index],
         )
 
-    def with_way(self, begin: int, joints: NDArray[np.int_], values: Array, phase: Phase) -> Timeline:
+    def with_way(
+        self, begin: int, joints: Int[np.ndarray, " arm_joints"], values: Float[np.ndarray, "way joints"], phase: Phase
+    ) -> Timeline:
         """The same with one arm's columns written from an index on, which must be covered.
 
         Before an approach and after a retreat the arm stays where that begins or ends.

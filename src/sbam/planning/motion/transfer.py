@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import tee
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float
 from scipy.interpolate import BSpline, make_interp_spline
 from scipy.spatial.transform import RigidTransform, Rotation
 
@@ -19,8 +19,6 @@ from sbam.robots import Robot
 from sbam.robots.collision import CollisionModel, Held
 from sbam.robots.follow import follow
 from sbam.robots.inverse_kinematics import solve_poses
-
-Array = NDArray[np.float64]
 
 STANDOFF = 0.08  # m from which a grasp is approached in a straight line, and to which the hand retreats
 STANDOFFS = (STANDOFF, 0.05, 0.03)  # m: shorter ones where that is out of reach
@@ -45,20 +43,20 @@ class Way:
     """Configurations from home to the grasp at equal steps of the clock.
 
     Attributes:
-        transfer: (T, n) from home to the standoff.
-        line: (L, n) from the standoff straight to the grasp.
+        transfer: from home to the standoff.
+        line: from the standoff straight to the grasp.
         wait: for how many ticks before the grasp all else has to stand still.
         surplus: least distance that was found on it beyond what must be kept, m; up to twice `AMPLE`.
     """
 
-    transfer: Array
-    line: Array
+    transfer: Float[np.ndarray, "transfer joints"]
+    line: Float[np.ndarray, "line joints"]
     wait: int
     surplus: float
 
     @property
-    def joined(self) -> Array:
-        """(T + L - 1, n) the whole way."""
+    def joined(self) -> Float[np.ndarray, "ticks joints"]:
+        """The whole way."""
         return np.concatenate([self.transfer, self.line[1:]])
 
 
@@ -67,22 +65,27 @@ class Surroundings:
     """What one arm meets on its way.
 
     Attributes:
-        configurations: (S, n) of the whole robot; the arm's own joints do not count.
-        T_agent_object: object name -> pose, or S poses.
-        held: (object name, hand) -> (S,) when that hand may touch that object.
+        configurations: of the whole robot; the arm's own joints do not count.
+        T_agent_object: object name -> pose, or poses of all samples.
+        held: (object name, hand) -> when that hand may touch that object.
     """
 
-    configurations: Array
+    configurations: Float[np.ndarray, "samples joints"]
     T_agent_object: Mapping[str, RigidTransform]
     held: Held
 
 
-# What an arm meets so many ticks (S,) before it has to be at its grasp, and on which of them it may touch its object.
-Meets = Callable[[Array, NDArray[np.bool_]], Surroundings]
+# What an arm meets so many ticks before it has to be at its grasp, and on which of them it may touch its object.
+Meets = Callable[[Float[np.ndarray, " samples"], Bool[np.ndarray, " samples"]], Surroundings]
 
 
 def way_to_grasp(
-    robot: Robot, collision: CollisionModel, grasp: Grasp, at_grasp: Array, meets: Meets, clearance: float = 0.0
+    robot: Robot,
+    collision: CollisionModel,
+    grasp: Grasp,
+    at_grasp: Float[np.ndarray, " joints"],
+    meets: Meets,
+    clearance: float = 0.0,
 ) -> Way:
     """Find a way from home to a grasp that keeps clear of what stands around and of the other arm on its way.
 
@@ -93,7 +96,7 @@ def way_to_grasp(
         robot: robot standing in the agent frame.
         collision: shapes of the robot and the scene's objects.
         grasp: the grasp.
-        at_grasp: (n,) configuration that holds it.
+        at_grasp: configuration that holds it.
         meets: what is around when.
         clearance: distance that must be kept, m.
 
@@ -101,7 +104,9 @@ def way_to_grasp(
         UnreachableError: if the straight line to the grasp cannot be followed.
     """
     joints = robot.frame_joints(robot.arms[grasp.hand].tcp_frame)
-    options: list[tuple[float, Array, _Passage, _Curve, RigidTransform, Array]] = []
+    options: list[
+        tuple[float, Float[np.ndarray, "line joints"], _Passage, _Curve, RigidTransform, Float[np.ndarray, " 3"]]
+    ] = []
     for line, standoff, direction in _straight_lines(robot, grasp, at_grasp, STEP):
         home = np.where(joints, robot.clip(robot.home), line[0])
         straight = _Curve(make_interp_spline([0.0, 1.0], np.stack([home, line[0]]), k=1))
@@ -135,8 +140,8 @@ class _Curve:
         self.travel = float(np.abs(np.diff(path(np.linspace(0.0, 1.0, 100)), axis=0)).sum(axis=0).max())
         self.ticks = max(int(np.ceil(max(self.travel / TRANSFER_SPEED, 0.5) / STEP)), 1)
 
-    def configurations(self) -> Array:
-        """(ticks + 1, n)."""
+    def configurations(self) -> Float[np.ndarray, "ticks joints"]:
+        """At its ticks, both ends included."""
         return self.path(ease(np.linspace(0.0, 1.0, self.ticks + 1)))
 
 
@@ -147,8 +152,8 @@ class _Passage:
         self,
         robot: Robot,
         collision: CollisionModel,
-        joints: NDArray[np.bool_],
-        line: Array,
+        joints: Bool[np.ndarray, " joints"],
+        line: Float[np.ndarray, "line joints"],
         meets: Meets,
         clearance: float,
     ) -> None:
@@ -177,8 +182,8 @@ class _Passage:
         home = self._measured(curve.path(np.zeros(1)), np.array([float(total)]), share * total)
         return float(min(line[0], home[0]))
 
-    def surplus(self, curves: Sequence[_Curve], share: float) -> Array:
-        """(C,) least distances on the curves beyond the clearance, m."""
+    def surplus(self, curves: Sequence[_Curve], share: float) -> Float[np.ndarray, " curves"]:
+        """Least distances on the curves beyond the clearance, m."""
         # Evenly along the way, for what stands there, and evenly in time, for what moves.
         even = np.linspace(0.0, 1.0, SAMPLES)
         moments = np.sort(np.concatenate([even[1:-1], np.interp(even, ease(FINE), FINE)]))
@@ -197,8 +202,13 @@ class _Passage:
         return curve.ticks + len(self._line) - 1
 
     def _measured(
-        self, configurations: Array, left: Array, wait: Array | float, on_line: bool = False, motions: int = 1
-    ) -> Array:
+        self,
+        configurations: Float[np.ndarray, "samples joints"],
+        left: Float[np.ndarray, " samples"],
+        wait: Float[np.ndarray, " samples"] | float,
+        on_line: bool = False,
+        motions: int = 1,
+    ) -> Float[np.ndarray, " motions"]:
         """Surplus of each motion, m; ``left`` are the ticks until the grasp, ``wait`` those without all else."""
         meets = self._meets(
             np.where(np.asarray(wait) > 0.0, lag(left - wait), left), np.full(len(configurations), on_line)
@@ -217,8 +227,8 @@ class _Passage:
 
 
 def _straight_lines(
-    robot: Robot, grasp: Grasp, at_grasp: Array, step: float
-) -> Iterator[tuple[Array, RigidTransform, Array]]:
+    robot: Robot, grasp: Grasp, at_grasp: Float[np.ndarray, " joints"], step: float
+) -> Iterator[tuple[Float[np.ndarray, "line joints"], RigidTransform, Float[np.ndarray, " 3"]]]:
     """Configurations from a standoff to the grasp, the TCP's pose there, the direction of approach; longest first."""
     frame = robot.kinematics(at_grasp[None], [robot.arms[grasp.hand].tcp_frame])
     T_agent_tcp = RigidTransform.from_components(frame.position[0, 0], Rotation.from_matrix(frame.rotation[0, 0]))
@@ -248,7 +258,12 @@ def _straight_lines(
 
 
 def _curves(
-    robot: Robot, grasp: Grasp, standoff: RigidTransform, direction: Array, home: Array, at_standoff: Array
+    robot: Robot,
+    grasp: Grasp,
+    standoff: RigidTransform,
+    direction: Float[np.ndarray, " 3"],
+    home: Float[np.ndarray, " joints"],
+    at_standoff: Float[np.ndarray, " joints"],
 ) -> Iterator[list[_Curve]]:
     """Smooth joint paths over [0, 1] from home to the standoff, in the order in which they are to be tried."""
     yield [_Curve(make_interp_spline([0.0, 1.0], np.stack([home, at_standoff]), k=1))]
@@ -270,9 +285,9 @@ def _detour(
     robot: Robot,
     grasp: Grasp,
     standoff: RigidTransform,
-    direction: Array,
-    home: Array,
-    at_standoff: Array,
+    direction: Float[np.ndarray, " 3"],
+    home: Float[np.ndarray, " joints"],
+    at_standoff: Float[np.ndarray, " joints"],
     detour: tuple[float, float],
 ) -> _Curve | None:
     """Path through a way point of the hand, or None if that is out of reach."""
@@ -289,7 +304,12 @@ def _detour(
     return _through(robot, home, solution.configurations[0], at_standoff) if solution.reached()[0] else None
 
 
-def _through(robot: Robot, home: Array, way_point: Array, at_standoff: Array) -> _Curve | None:
+def _through(
+    robot: Robot,
+    home: Float[np.ndarray, " joints"],
+    way_point: Float[np.ndarray, " joints"],
+    at_standoff: Float[np.ndarray, " joints"],
+) -> _Curve | None:
     """Path through a configuration, or None if it leaves the joint limits."""
     points = np.stack([home, way_point, at_standoff])
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)

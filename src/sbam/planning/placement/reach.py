@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.demonstrations.demonstration import Hand
@@ -20,8 +20,6 @@ from sbam.planning.motion.transfer import STANDOFFS
 from sbam.planning.task import Task
 from sbam.robots import Robot
 from sbam.robots.collision import CollisionModel
-
-Array = NDArray[np.float64]
 
 GRASPS = 24  # of the candidates, drawn at random, where many bases are measured
 CHECKPOINTS = 5  # evenly from the first lift to the last place, fewer than where grasps are chosen: likewise
@@ -33,37 +31,37 @@ ITERATIONS = 20  # of inverse kinematics, fewer than where grasps are chosen: hu
 
 @dataclass(frozen=True)
 class HandTargets:
-    """Where one hand has to be for each of G grasps at M moments, in order of time, agent frame.
+    """Where one hand has to be for each of its grasps at moments, in order of time, agent frame.
 
     The first and the last are the standoffs before the grasp and after the release.
 
     Attributes:
         role: role of the object.
         hand: the hand that holds it.
-        position: (G, M, 3) of the tool centre point, m.
-        rotation: (G, M, 3, 3).
+        position: of the tool centre point, m.
+        rotation: its orientation.
         hardest: the moment of the largest tilt, from which grasps are followed both ways.
     """
 
     role: str
     hand: Hand
-    position: Array
-    rotation: Array
+    position: Float[np.ndarray, "grasps moments 3"]
+    rotation: Float[np.ndarray, "grasps moments 3 3"]
     hardest: int
 
 
 @dataclass(frozen=True)
 class Reach:
-    """How well B bases do; H hands in the order of the targets.
+    """How well places of the base do, for each hand in the order of the targets.
 
     Attributes:
-        miss: (B, H) how far the hand stays away at its worst moment with its best grasp, m; a radian of orientation
+        miss: how far the hand stays away at its worst moment with its best grasp, m; a radian of orientation
             counts 0.25 m; 0 where it reaches.
-        share: (B, H) share of the grasps that reach every moment.
+        share: share of the grasps that reach every moment.
     """
 
-    miss: Array
-    share: Array
+    miss: Float[np.ndarray, "bases hands"]
+    share: Float[np.ndarray, "bases hands"]
 
 
 def hand_targets(
@@ -74,7 +72,7 @@ def hand_targets(
     Args:
         task: model bound to a scene.
         robot: its hands say which grasps there are; where it stands is of no account.
-        poses: role -> K poses at the model's keypoints, agent frame.
+        poses: role -> poses at the model's keypoints, agent frame.
         seed: of the choice among the grasps.
         most: how many grasps of each hand are chosen.
 
@@ -111,12 +109,12 @@ def hand_targets(
 def reach_from(
     robot: Robot, targets: tuple[HandTargets, ...], T_agent_base: RigidTransform, random_starts: int = 0
 ) -> Reach:
-    """Measure how well a robot reaches from B places of its base.
+    """Measure how well a robot reaches from places of its base.
 
     Args:
         robot: the robot; where it stands is of no account.
         targets: what its hands have to do.
-        T_agent_base: B poses of its frame (x forward, y left, z up) in the agent frame.
+        T_agent_base: poses of its frame (x forward, y left, z up) in the agent frame.
         random_starts: postures around home from which inverse kinematics is started, beside home and the seeds of the
             robot's description.
     """
@@ -127,8 +125,8 @@ def reach_from(
 
 def _hand_reach(
     robot: Robot, target: HandTargets, T_base_agent: RigidTransform, random_starts: int
-) -> tuple[Array, Array]:
-    """Miss (B,) and share of the grasps that reach (B,)."""
+) -> tuple[Float[np.ndarray, " bases"], Float[np.ndarray, " bases"]]:
+    """Miss and share of the grasps that reach."""
     turn = T_base_agent.rotation.as_matrix()
     bases, (grasps, moments) = len(turn), target.position.shape[:2]
     position = np.einsum("bij,gmj->bgmi", turn, target.position) + T_base_agent.translation[:, None, None]

@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.planning.task import Task
 from sbam.robots import Robot
 from sbam.robots.collision_shapes import CollisionShapes
 
-Array = NDArray[np.float64]
-
 MAY_OVERLAP = 0.01  # m: a base that is mounted on a table touches it
 EDGE = 0.03  # m that an object's origin keeps from the edge of what it stands on
 
 
-def has_room(robot: Robot, task: Task, T_agent_base: RigidTransform) -> NDArray[np.bool_]:
-    """Whether what no planned joint moves keeps clear of furniture and objects, (B,), for B poses of the base.
+def has_room(robot: Robot, task: Task, T_agent_base: RigidTransform) -> Bool[np.ndarray, " bases"]:
+    """Whether what no planned joint moves keeps clear of furniture and objects, for poses of the base.
 
     Args:
         robot: the robot; where it stands is of no account.
         task: model bound to a scene.
-        T_agent_base: B poses of its frame in the agent frame.
+        T_agent_base: poses of its frame in the agent frame.
     """
     import mujoco
 
@@ -49,8 +47,8 @@ def has_room(robot: Robot, task: Task, T_agent_base: RigidTransform) -> NDArray[
     return room
 
 
-def stay_on_their_supports(task: Task, shifts: Array) -> NDArray[np.bool_]:
-    """Whether all movable objects that stand over a box of furniture still do when moved by shifts (B, 2), (B,), m."""
+def stay_on_their_supports(task: Task, shifts: Float[np.ndarray, "moves 2"]) -> Bool[np.ndarray, " moves"]:
+    """Whether all movable objects that stand over a box of furniture still do when moved by shifts, m."""
     stay = np.ones(len(shifts), dtype=bool)
     for name, model in task.scene.objects.items():
         if not model.movable:
@@ -69,8 +67,10 @@ def stay_on_their_supports(task: Task, shifts: Array) -> NDArray[np.bool_]:
     return stay
 
 
-def _over(pose: RigidTransform, size: Array, points: Array, edge: float) -> NDArray[np.bool_]:
-    """Which points (B, 3) are vertically over a box, seen in its own frame."""
+def _over(
+    pose: RigidTransform, size: Float[np.ndarray, " 3"], points: Float[np.ndarray, "points 3"], edge: float
+) -> Bool[np.ndarray, " points"]:
+    """Which points are vertically over a box, seen in its own frame."""
     local = pose.inv().apply(points)
     up = int(np.argmax(np.abs(pose.rotation.as_matrix()[2])))
     across = [axis for axis in range(3) if axis != up]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.demonstrations.scenes import as_scene
@@ -26,8 +26,6 @@ from sbam.planning.variant import choose_variant
 from sbam.robots import ObjectHand, Robot
 from sbam.robots.options import with_options
 from sbam.scene import Scene
-
-Array = NDArray[np.float64]
 
 RIGHT = np.linspace(-0.4, 0.4, 9)  # m, moves of the base that are tried
 FORWARD = np.linspace(-0.5, 0.5, 11)  # m
@@ -73,12 +71,12 @@ class BaseMap:
     Attributes:
         robot: the robot, standing where the search began, agent frame.
         task: the model bound to the scene.
-        right: (X,) moves of the base, m, agent frame.
-        forward: (Y,) m.
-        turn: (H,) about its own vertical, to the left, degrees.
-        miss: (H, Y, X) how far the worse hand stays away, m; 0 where both reach.
-        share: (H, Y, X) share of the worse hand's grasps that reach everywhere.
-        room: (H, Y, X) whether what stands of the robot keeps clear of furniture and objects.
+        right: moves of the base, m, agent frame.
+        forward: m.
+        turn: about its own vertical, to the left, degrees.
+        miss: how far the worse hand stays away, m; 0 where both reach.
+        share: share of the worse hand's grasps that reach everywhere.
+        room: whether what stands of the robot keeps clear of furniture and objects.
         here: where the robot stands.
         base: the nearest place found from which the action can be done, ``here`` if it can be done as it is; None if
             the map holds no place from which both hands reach. If no place that was planned for passed, the nearest one
@@ -88,12 +86,12 @@ class BaseMap:
 
     robot: Robot
     task: Task
-    right: Array
-    forward: Array
-    turn: Array
-    miss: Array
-    share: Array
-    room: NDArray[np.bool_]
+    right: Float[np.ndarray, " right"]
+    forward: Float[np.ndarray, " forward"]
+    turn: Float[np.ndarray, " turns"]
+    miss: Float[np.ndarray, "turns forward right"]
+    share: Float[np.ndarray, "turns forward right"]
+    room: Bool[np.ndarray, "turns forward right"]
     here: Place
     base: Place | None
     objects: Place | None
@@ -107,9 +105,9 @@ def search_base(
     roles: Mapping[str, str] | None = None,
     progress: Callable[[int, int], None] | None = None,
     *,
-    right: Array = RIGHT,
-    forward: Array = FORWARD,
-    turn: Array = TURN,
+    right: Float[np.ndarray, " right"] = RIGHT,
+    forward: Float[np.ndarray, " forward"] = FORWARD,
+    turn: Float[np.ndarray, " turns"] = TURN,
 ) -> BaseMap:
     """Search the places around a robot's base for those from which it reaches a whole task.
 
@@ -122,9 +120,9 @@ def search_base(
         settings: how to plan.
         roles: role -> object name, where the choice shall not be left to the affordances.
         progress: called with how much is done and how much there is.
-        right: (X,) moves of the base that are tried, m, agent frame.
-        forward: (Y,) m.
-        turn: (H,) about its own vertical, to the left, degrees; with 0 among them the objects are tried too.
+        right: moves of the base that are tried, m, agent frame.
+        forward: m.
+        turn: about its own vertical, to the left, degrees; with 0 among them the objects are tried too.
 
     Raises:
         BindingError: if the scene lacks an object with the affordances a role needs.
@@ -208,18 +206,25 @@ class _Search:
         at = np.zeros((1, 3))
         return self._places(at, reach_from(self.robot, every, _bases(self.robot, at), RANDOM_STARTS))[0]
 
-    def places(self, moves: Array) -> list[Place]:
-        """Measure moves (B, 3) of the base."""
+    def places(self, moves: Float[np.ndarray, "moves 3"]) -> list[Place]:
+        """Measure moves of the base."""
         return self._places(moves, _measure(self.robot, self.targets, moves))
 
-    def _places(self, moves: Array, reach: Reach) -> list[Place]:
+    def _places(self, moves: Float[np.ndarray, "moves 3"], reach: Reach) -> list[Place]:
         keys = [ObjectHand(self.task.binding[target.role], target.hand) for target in self.targets]
         return [
             Place(*map(float, move), miss=dict(zip(keys, map(float, miss), strict=True)), share=float(share.min()))
             for move, miss, share in zip(moves, reach.miss, reach.share, strict=True)
         ]
 
-    def best(self, moves: Array, miss: Array, share: Array, *, objects: bool) -> Place | None:
+    def best(
+        self,
+        moves: Float[np.ndarray, "moves 3"],
+        miss: Float[np.ndarray, " moves"],
+        share: Float[np.ndarray, " moves"],
+        *,
+        objects: bool,
+    ) -> Place | None:
         """The nearest place that leaves a comfortable choice of grasps and for which a plan passes all checks."""
         first: Place | None = None
         for tried, move in enumerate(self._in_order(moves, miss, share)):
@@ -234,7 +239,9 @@ class _Search:
             first = first or place
         return first
 
-    def _in_order(self, moves: Array, miss: Array, share: Array) -> Iterator[Array]:
+    def _in_order(
+        self, moves: Float[np.ndarray, "moves 3"], miss: Float[np.ndarray, " moves"], share: Float[np.ndarray, " moves"]
+    ) -> Iterator[Float[np.ndarray, " 3"]]:
         reached = miss == 0.0
         if not reached.any():
             return
@@ -242,7 +249,7 @@ class _Search:
         length = np.hypot(np.linalg.norm(moves[good, :2], axis=1), TURN_LENGTH * moves[good, 2])
         yield from moves[good[np.argsort(length, kind="stable")]]
 
-    def _nearest_on_the_way(self, move: Array, objects: bool) -> Place:
+    def _nearest_on_the_way(self, move: Float[np.ndarray, " 3"], objects: bool) -> Place:
         """Halfway from the first place on the straight way that reaches as well as its end, to that end.
 
         Where a place only just reaches, keypoints are missed and plans fail: hence halfway.
@@ -279,18 +286,20 @@ def shifted(scene: Scene, right: float, forward: float) -> Scene:
     return replace(scene, T_world_object=poses)
 
 
-def _moves(right: Array, forward: Array, turn: float) -> Array:
-    """Moves (Y * X, 3) of a grid: right m, forward m, turn degrees."""
+def _moves(
+    right: Float[np.ndarray, " right"], forward: Float[np.ndarray, " forward"], turn: float
+) -> Float[np.ndarray, "moves 3"]:
+    """Moves of a grid: right m, forward m, turn degrees."""
     y, x = np.meshgrid(forward, right, indexing="ij")
     return np.stack([x.ravel(), y.ravel(), np.full(x.size, turn)], axis=1)
 
 
-def _bases(robot: Robot, moves: Array) -> RigidTransform:
-    """Poses of a robot's base after moves (B, 3), agent frame."""
+def _bases(robot: Robot, moves: Float[np.ndarray, "moves 3"]) -> RigidTransform:
+    """Poses of a robot's base after moves, agent frame."""
     offset = np.column_stack([moves[:, :2], np.zeros(len(moves))])
     turn = Rotation.from_euler("z", moves[:, 2:], degrees=True)
     return RigidTransform.from_components(robot.T_world_base.translation + offset, turn * robot.T_world_base.rotation)
 
 
-def _measure(robot: Robot, targets: tuple[HandTargets, ...], moves: Array) -> Reach:
+def _measure(robot: Robot, targets: tuple[HandTargets, ...], moves: Float[np.ndarray, "moves 3"]) -> Reach:
     return reach_from(robot, targets, _bases(robot, moves))

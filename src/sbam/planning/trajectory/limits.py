@@ -9,12 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.planning.trajectory.trajectory import JointTrajectory
 from sbam.robots import Robot
-
-Array = NDArray[np.float64]
 
 START_TOLERANCE = 1e-3  # rad: Franka's interface wants the first point at the current posture
 CONTINUITY = 1e-3  # rad/s: what finite differences of the positions may differ from the stated velocities
@@ -41,13 +39,15 @@ class Check:
     where: str = ""
 
 
-def check_receivers(robot: Robot, trajectory: JointTrajectory, start: Array, speed: float = 1.0) -> list[Check]:
+def check_receivers(
+    robot: Robot, trajectory: JointTrajectory, start: Float[np.ndarray, " joints"], speed: float = 1.0
+) -> list[Check]:
     """The checks of ros2_control's joint trajectory controller and of Franka's interface.
 
     Args:
         robot: names and limits.
         trajectory: what would be sent.
-        start: (n,) the posture the robot is in.
+        start: the posture the robot is in.
         speed: share of the velocity limits that is granted; accelerations by its square, jerks by its cube.
 
     Returns:
@@ -72,7 +72,9 @@ def check_receivers(robot: Robot, trajectory: JointTrajectory, start: Array, spe
     if not all(check.ok for check in checks):
         return checks
 
-    def worst_joint(name: str, excess: Array, limit: float, unit: str, first_sample: int = 0) -> Check:
+    def worst_joint(
+        name: str, excess: Float[np.ndarray, "samples joints"], limit: float, unit: str, first_sample: int = 0
+    ) -> Check:
         sample, joint = np.unravel_index(int(np.argmax(excess)), excess.shape)
         where = f"{t.joint_names[joint]} at {t.time[first_sample + sample]:.3f} s"
         worst = float(excess[sample, joint])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.interpolate import BSpline, make_interp_spline
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
@@ -11,16 +11,18 @@ from sbam.errors import TrajectoryError
 from sbam.planning.trajectory.trajectory import JointTrajectory
 from sbam.robots import Robot
 
-Array = NDArray[np.float64]
-
 WINDOW = 0.15  # s on the path's clock over which the speed changes
 MARGIN = 0.97  # share of a limit that is used, so that sampling in between does not exceed it
 MAX_ROUNDS = 60
 
 
 def time_path(
-    robot: Robot, clock: Array, path: Array, speed: float, sample_rate: float
-) -> tuple[JointTrajectory, Array]:
+    robot: Robot,
+    clock: Float[np.ndarray, " ticks"],
+    path: Float[np.ndarray, "ticks joints"],
+    speed: float,
+    sample_rate: float,
+) -> tuple[JointTrajectory, Float[np.ndarray, " samples"]]:
     """Time a path that carries the demonstrated timing as its clock.
 
     The clock's rate s = d clock/d time is 1 where the limits allow it and smoothly less elsewhere. With Q the quintic
@@ -28,8 +30,8 @@ def time_path(
 
     Args:
         robot: its velocity, acceleration and jerk limits.
-        clock: (N,) uniform, s.
-        path: (N, n) configurations at rest at both ends.
+        clock: uniform, s.
+        path: configurations at rest at both ends.
         speed: share of the velocity limits that may be used; accelerations scale with its square, jerks with its cube.
         sample_rate: samples of the result per second, Hz.
 
@@ -77,7 +79,7 @@ def time_path(
     )
 
 
-def _smooth(allowed: Array, width: float) -> Array:
+def _smooth(allowed: Float[np.ndarray, " fine"], width: float) -> Float[np.ndarray, " fine"]:
     """A smooth lower envelope: never above what is allowed, with bounded slope."""
     reach = int(np.ceil(3.0 * width))
     lowest = minimum_filter1d(allowed, 2 * reach + 1, mode="nearest")
@@ -85,8 +87,12 @@ def _smooth(allowed: Array, width: float) -> Array:
 
 
 def _sample(
-    robot: Robot, spline: BSpline, fine: Array, rate: Array, sample_rate: float
-) -> tuple[JointTrajectory, Array]:
+    robot: Robot,
+    spline: BSpline,
+    fine: Float[np.ndarray, " fine"],
+    rate: Float[np.ndarray, " fine"],
+    sample_rate: float,
+) -> tuple[JointTrajectory, Float[np.ndarray, " samples"]]:
     """Integrate dt = d clock / s and sample uniformly in time."""
     slowness = make_interp_spline(fine, 1.0 / rate, k=3)
     elapsed = slowness.antiderivative()

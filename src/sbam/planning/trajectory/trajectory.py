@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from jaxtyping import Float
 
 
 @dataclass(frozen=True)
@@ -15,18 +13,18 @@ class JointTrajectory:
     """Positions, velocities and accelerations of named joints over time.
 
     Attributes:
-        joint_names: (n,) names, in the order of the columns.
-        time: (N,) s, strictly increasing, starts at 0.
-        position: (N, n) rad (m for prismatic joints).
-        velocity: (N, n) rad/s.
-        acceleration: (N, n) rad/s^2.
+        joint_names: names, in the order of the columns.
+        time: s, strictly increasing, starts at 0.
+        position: rad (m for prismatic joints).
+        velocity: rad/s.
+        acceleration: rad/s^2.
     """
 
     joint_names: tuple[str, ...]
-    time: Array
-    position: Array
-    velocity: Array
-    acceleration: Array
+    time: Float[np.ndarray, " samples"]
+    position: Float[np.ndarray, "samples joints"]
+    velocity: Float[np.ndarray, "samples joints"]
+    acceleration: Float[np.ndarray, "samples joints"]
 
     @property
     def duration(self) -> float:

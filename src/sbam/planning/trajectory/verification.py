@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.planning.grasping.candidates import Grasp
@@ -20,8 +20,6 @@ from sbam.robots import ObjectHand, Robot, point_jacobian
 from sbam.robots.collision import CollisionModel
 from sbam.robots.rotation_error import rotation_error
 from sbam.robots.swept_clearance import swept_clearances
-
-Array = NDArray[np.float64]
 
 CLOSURE_POSITION = 1e-3  # m: how far the second hand of a two-handed grasp may slip
 CLOSURE_ROTATION = np.deg2rad(0.5)  # rad
@@ -37,7 +35,7 @@ def verify(
     grasps: Mapping[RoleHand, Grasp],
     motion: Motion,
     trajectory: JointTrajectory,
-    clock: Array,
+    clock: Float[np.ndarray, " samples"],
     clearance: float,
     speed: float = 1.0,
 ) -> tuple[dict[str, RigidTransform], tuple[Check, ...]]:
@@ -50,12 +48,12 @@ def verify(
         grasps: (role, hand) -> grasp.
         motion: the dense motion that was timed.
         trajectory: the timed trajectory.
-        clock: (N,) of its samples, the motion's clock, s.
+        clock: of its samples, the motion's clock, s.
         clearance: distance that must be kept from what is not touched on purpose, m.
         speed: share of the velocity limits that is granted.
 
     Returns:
-        Object name -> N poses of every moved object, agent frame: still before the lift, carried, still after the
+        Object name -> poses of every moved object, agent frame: still before the lift, carried, still after the
         place. And all checks.
     """
     arms = list(robot.arms)
@@ -95,7 +93,7 @@ def check_clearances(
     motion: Motion,
     poses: Mapping[str, RigidTransform],
     trajectory: JointTrajectory,
-    clock: Array,
+    clock: Float[np.ndarray, " samples"],
     clearance: float,
 ) -> list[Check]:
     """Distances over all samples, by class of pairs; a hand may touch its object from the straight approach on.
@@ -120,13 +118,15 @@ def _stride(trajectory: JointTrajectory, rate: float) -> int:
     return max(1, round(1.0 / (rate * float(trajectory.time[1] - trajectory.time[0]))))
 
 
-def _largest(name: str, values: Array, limit: float, unit: str, time: Array) -> Check:
+def _largest(
+    name: str, values: Float[np.ndarray, " samples"], limit: float, unit: str, time: Float[np.ndarray, " samples"]
+) -> Check:
     worst = int(np.argmax(values))
     return Check(name, bool(values[worst] <= limit), float(values[worst]), limit, unit, f"at {time[worst]:.3f} s")
 
 
-def _is_held(motion: Motion, key: RoleHand, clock: Array) -> NDArray[np.bool_]:
-    """(N,) when a hand holds its object fast: from the closing of its fingers to their opening."""
+def _is_held(motion: Motion, key: RoleHand, clock: Float[np.ndarray, " samples"]) -> Bool[np.ndarray, " samples"]:
+    """When a hand holds its object fast: from the closing of its fingers to their opening."""
     phases = {phase.name: phase for phase in motion.phases if (phase.role, phase.hand) == key}
     return (clock >= phases["grasp"].start) & (clock <= phases["place"].end)
 
@@ -134,22 +134,22 @@ def _is_held(motion: Motion, key: RoleHand, clock: Array) -> NDArray[np.bool_]:
 def _check_hold(
     task: Task,
     grasp: Grasp,
-    tcp: Array,
-    pose: Array,
+    tcp: Float[np.ndarray, "samples 4 4"],
+    pose: Float[np.ndarray, "samples 4 4"],
     motion: Motion,
     trajectory: JointTrajectory,
-    clock: Array,
+    clock: Float[np.ndarray, " samples"],
 ) -> Sequence[Check]:
     """A hand keeps its grasp from closing to opening: in the object's frame the TCP stands still.
 
     Args:
         task: model bound to a scene.
         grasp: the grasp.
-        tcp: (N, 4, 4) poses of the hand's TCP, agent frame.
-        pose: (N, 4, 4) poses of the object, agent frame.
+        tcp: poses of the hand's TCP, agent frame.
+        pose: poses of the object, agent frame.
         motion: says when the fingers close and open.
         trajectory: the timed trajectory.
-        clock: (N,) of its samples, the motion's clock, s.
+        clock: of its samples, the motion's clock, s.
     """
     held = _is_held(motion, RoleHand(grasp.role, grasp.hand), clock)
     tcp, wanted = tcp[held], pose[held] @ grasp.T_object_tcp.as_matrix()
@@ -208,8 +208,8 @@ def _check_torques(
     return Check("torque limits", worst <= 1.0, worst, 1.0, "of the limit", where)
 
 
-def phase_times(motion: Motion, trajectory: JointTrajectory, clock: Array) -> tuple[Phase, ...]:
-    """The motion's phases with their times on the trajectory's axis, s; ``clock`` (N,) is that of its samples, s."""
+def phase_times(motion: Motion, trajectory: JointTrajectory, clock: Float[np.ndarray, " samples"]) -> tuple[Phase, ...]:
+    """The motion's phases with their times on the trajectory's axis, s; ``clock`` is that of its samples, s."""
 
     def on_trajectory(moment: float) -> float:
         return float(np.interp(moment, clock, trajectory.time))

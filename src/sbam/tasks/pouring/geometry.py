@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.scene import ObjectModel
 from sbam.tasks.geometry import GeometryResult
 from sbam.tasks.object_motion import ObjectMotion, region_path
-
-Array = NDArray[np.float64]
 
 POUR_TILT = np.deg2rad(60.0)  # rad: beyond it something may flow
 POUR_HEIGHT = (0.010, 0.080)  # m: of the mouth above the rim while something may flow
@@ -25,28 +23,28 @@ class MouthPath:
     """The mouth of a bottle as seen from the rim of a cup, in N samples.
 
     Attributes:
-        tilt: (N,) of the bottle from upright, rad.
-        aside: (N,) horizontal distance of the mouth from the middle of the rim, m.
-        above: (N,) height of the mouth above the rim, m.
+        tilt: of the bottle from upright, rad.
+        aside: horizontal distance of the mouth from the middle of the rim, m.
+        above: height of the mouth above the rim, m.
     """
 
-    tilt: Array
-    aside: Array
-    above: Array
+    tilt: Float[np.ndarray, " samples"]
+    aside: Float[np.ndarray, " samples"]
+    above: Float[np.ndarray, " samples"]
 
     @property
-    def may_flow(self) -> NDArray[np.bool_]:
-        """(N,) whether the bottle is tilted so far that something may flow."""
+    def may_flow(self) -> Bool[np.ndarray, " samples"]:
+        """Whether the bottle is tilted so far that something may flow."""
         return self.tilt > POUR_TILT
 
 
-def mouth_path(bottle: ObjectModel, T_bottle: RigidTransform, rim: Array) -> MouthPath:
+def mouth_path(bottle: ObjectModel, T_bottle: RigidTransform, rim: Float[np.ndarray, "samples 3"]) -> MouthPath:
     """Where the mouth goes.
 
     Args:
         bottle: what is poured from.
         T_bottle: its N poses in a frame whose z-axis points up.
-        rim: (N, 3) middle of the rim in the same frame, m.
+        rim: middle of the rim in the same frame, m.
     """
     up = T_bottle.rotation.apply(bottle.up)[:, 2]
     offset = T_bottle.apply(bottle.region("pour from").center) - rim

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import SimulationError
@@ -16,8 +16,6 @@ from sbam.tasks.materials import DOUGH
 
 if TYPE_CHECKING:
     import mujoco
-
-Array = NDArray[np.float64]
 
 THICKNESS = 0.010  # m, before it is rolled
 THINNEST = 0.001  # m
@@ -38,22 +36,22 @@ class Dough:
 
     Attributes:
         T_world_dough: x along the pin, y along the strokes, z up; origin on the support.
-        grid: (C, 2) centres of the columns, m.
-        spacing: (2,) m.
+        grid: centres of the columns, m.
+        spacing: of the columns, m.
         radius: of the pin, m.
         half_length: of the pin's thick part, m.
-        axis: (3,) unit vector along the pin, in its frame.
+        axis: unit vector along the pin, in its frame.
     """
 
     T_world_dough: RigidTransform
-    grid: Array
-    spacing: Array
+    grid: Float[np.ndarray, "columns 2"]
+    spacing: Float[np.ndarray, " 2"]
     radius: float
     half_length: float
-    axis: Array
+    axis: Float[np.ndarray, " 3"]
 
-    def pressed_by(self, pose: RigidTransform) -> Array:
-        """Thickness (C,) to which the pin at poses (N,) presses the columns; infinite where it never comes."""
+    def pressed_by(self, pose: RigidTransform) -> Float[np.ndarray, " columns"]:
+        """Thickness to which the pin at some poses presses the columns; infinite where it never comes."""
         local = self.T_world_dough.inv() * pose
         direction = local.rotation.apply(self.axis)[:, None]
         center = local.translation[:, None]
@@ -137,7 +135,7 @@ def add_dough(spec: mujoco.MjSpec, dough: Dough) -> None:
         )
 
 
-def _roller(model: ObjectModel) -> tuple[float, float, Array]:
+def _roller(model: ObjectModel) -> tuple[float, float, Float[np.ndarray, " 3"]]:
     """Radius, half length and axis of the thickest round part."""
     round_parts = [part for part in model.geometry if part.kind in ("cylinder", "capsule")]
     if not round_parts:

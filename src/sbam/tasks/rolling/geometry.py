@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 
 from sbam.tasks.geometry import GeometryResult
 from sbam.tasks.object_motion import ObjectMotion, region_path
-
-Array = NDArray[np.float64]
 
 PIN_HEIGHT = 0.005  # m: of the learned height
 STROKE = 0.06  # m: a shorter half-stroke is not one
@@ -51,7 +49,7 @@ def measure_rolling(motion: ObjectMotion, half_strokes: int = 8, role: str = "ha
     return GeometryResult(not problems, values, tuple(problems))
 
 
-def turning_points(middle: Array) -> NDArray[np.int_]:
+def turning_points(middle: Float[np.ndarray, "samples 3"]) -> Int[np.ndarray, " turns"]:
     """Samples at which the pin turns, ends of half-strokes longer than `STROKE`."""
     from scipy.signal import find_peaks
 

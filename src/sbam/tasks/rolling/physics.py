@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.robots.composition import OBJECT_PREFIX
 from sbam.tasks.action import Action
@@ -16,8 +16,6 @@ from sbam.tasks.rolling.geometry import turning_points
 
 if TYPE_CHECKING:
     import mujoco
-
-Array = NDArray[np.float64]
 
 OFF_PLAN = 1.0  # mm: how far the thickness may be off what the pin's planned path leaves
 THICKER = 2.0  # mm: how much thicker than in the demonstrations it may be on average
@@ -37,7 +35,7 @@ class Rolling(PhysicsTask):
         """Add the dough."""
         add_dough(spec, lay_dough(action, action.object_with("handle left")))
 
-    def observe(self, model: mujoco.MjModel, data: mujoco.MjData, action: Action) -> dict[str, Array]:
+    def observe(self, model: mujoco.MjModel, data: mujoco.MjData, action: Action) -> dict[str, Float[np.ndarray, ...]]:
         """Thickness of every column, m, and the vertical force of the pin on the dough, N."""
         import mujoco
 

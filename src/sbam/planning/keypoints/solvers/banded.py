@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Bool, Float
 from numpy.lib.stride_tricks import as_strided
-from numpy.typing import NDArray
 
 from sbam.planning.keypoints.solvers.linearization import Linearization
-
-Array = NDArray[np.float64]
 
 
 class DampedSystem:
     """(H + damping diag(H)) x = -g for the free variables, factorised once for several right-hand sides."""
 
-    def __init__(self, model: Linearization, damping: float, free: NDArray[np.bool_]) -> None:
+    def __init__(self, model: Linearization, damping: float, free: Bool[np.ndarray, "keypoints joints"]) -> None:
         """Factorise.
 
         Args:
             model: the quadratic model, with H.
             damping: Levenberg-Marquardt parameter, relative to the diagonal.
-            free: (K, n) False for joints held at a limit, whose step is 0.
+            free: False for joints held at a limit, whose step is 0.
 
         Raises:
             numpy.linalg.LinAlgError: if the matrix is not positive definite.
@@ -52,8 +50,8 @@ class DampedSystem:
         if failed:
             raise np.linalg.LinAlgError(f"not positive definite in row {failed}")
 
-    def step(self, gradient: Array) -> Array:
-        """(K, n) solution for a gradient g (K, n)."""
+    def step(self, gradient: Float[np.ndarray, "keypoints joints"]) -> Float[np.ndarray, "keypoints joints"]:
+        """Solution for a gradient g."""
         right = np.where(self._free, -gradient, 0.0)
         solution, _ = self._solve(self._factor, right.ravel(), lower=1, overwrite_b=1)
         return solution.reshape(gradient.shape)

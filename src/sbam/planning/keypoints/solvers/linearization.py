@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.terms import NormalEquations, Rows, Smoothing
-
-Array = NDArray[np.float64]
 
 SMALLEST_NORM = 1e-9  # keeps what is divided by a norm finite
 
@@ -23,14 +21,14 @@ class Evaluation:
 
     Attributes:
         state: the configurations and what follows from them.
-        residuals: of each term, (K, G, m).
-        norms: of each term with norms, sqrt(r.r + epsilon^2), (K, G); None for the others.
+        residuals: of each term.
+        norms: of each term with norms, sqrt(r.r + epsilon^2); None for the others.
         merit: the smoothed objective plus requirements.
     """
 
     state: State
-    residuals: tuple[Array, ...]
-    norms: tuple[Array | None, ...]
+    residuals: tuple[Float[np.ndarray, "keypoints _groups _rows"], ...]
+    norms: tuple[Float[np.ndarray, "keypoints _groups"] | None, ...]
     merit: float
 
 
@@ -39,25 +37,27 @@ class Linearization:
     """Gradient and normal matrix.
 
     Attributes:
-        diagonal: (K, n, n) blocks on the diagonal.
-        coupling: (K, n, n) blocks (k, k - 1); the first is zero.
-        gradient: (K, n).
+        diagonal: blocks on the diagonal.
+        coupling: blocks (k, k - 1); the first is zero.
+        gradient: of the merit.
         rows: the linearised terms, in the problem's order.
     """
 
-    diagonal: Array
-    coupling: Array
-    gradient: Array
+    diagonal: Float[np.ndarray, "keypoints joints joints"]
+    coupling: Float[np.ndarray, "keypoints joints joints"]
+    gradient: Float[np.ndarray, "keypoints joints"]
     rows: tuple[Rows, ...] = ()
 
-    def predicted_gain(self, step: Array) -> float:
-        """How much a step (K, n) lowers the merit, by this model."""
+    def predicted_gain(self, step: Float[np.ndarray, "keypoints joints"]) -> float:
+        """How much a step lowers the merit, by this model."""
         curved = 0.5 * np.matvec(self.diagonal, step)
         curved[1:] += np.matvec(self.coupling[1:], step[:-1])
         return -float((step * (self.gradient + curved)).sum())
 
-    def bending(self, step: Array, after: Evaluation) -> Array:
-        """Gradient (K, n) of what the residuals after a step differ from the linear ones: the way curves.
+    def bending(
+        self, step: Float[np.ndarray, "keypoints joints"], after: Evaluation
+    ) -> Float[np.ndarray, "keypoints joints"]:
+        """Gradient of what the residuals after a step differ from the linear ones: the way curves.
 
         With it a second step leads back onto the curved way of stiff residuals (second-order correction; Nocedal and
         Wright 2006, section 15.6).
@@ -88,7 +88,7 @@ def linearize(
     problem: Problem,
     at: Evaluation,
     smoothing: Smoothing,
-    duals: Sequence[Array | None] | None = None,
+    duals: Sequence[Float[np.ndarray, "keypoints _groups _rows"] | None] | None = None,
     curvature: float = 1.0,
 ) -> Linearization:
     """Model of the merit around a state.
@@ -106,7 +106,7 @@ def linearize(
         problem: what to minimise.
         at: where, from `evaluate` with the same smoothing.
         smoothing: how the kinks are rounded.
-        duals: z of each term with norms, (K, G, m), None for the others; default all zero.
+        duals: z of each term with norms, None for the others; default all zero.
         curvature: c, between 0 and 1.
     """
     normal = NormalEquations(*at.state.configurations.shape)
@@ -119,18 +119,22 @@ def linearize(
     return Linearization(normal.diagonal, normal.coupling, normal.gradient, tuple(linearized))
 
 
-def updated_duals(model: Linearization, step: Array, duals: Sequence[Array | None] | None) -> list[Array | None]:
+def updated_duals(
+    model: Linearization,
+    step: Float[np.ndarray, "keypoints joints"],
+    duals: Sequence[Float[np.ndarray, "keypoints _groups _rows"] | None] | None,
+) -> list[Float[np.ndarray, "keypoints _groups _rows"] | None]:
     """The duals after a step: Newton's method on v z = r, brought back into the unit ball.
 
     Args:
         model: linearisation before the step.
-        step: (K, n).
+        step: that was taken.
         duals: before the step, as given to `linearize`.
 
     Returns:
-        z + dz = u + (dr - z (u . dr)) / v of each term with norms, (K, G, m).
+        z + dz = u + (dr - z (u . dr)) / v of each term with norms.
     """
-    result: list[Array | None] = []
+    result: list[Float[np.ndarray, "keypoints _groups _rows"] | None] = []
     for index, rows in enumerate(model.rows):
         if rows.norm is None:
             result.append(None)

@@ -9,15 +9,13 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.solvers.result import Solution, describe
 from sbam.planning.keypoints.state import State
 from sbam.robots.inverse_kinematics import solve_poses
-
-Array = NDArray[np.float64]
 
 SIMPLEX_POSITION = 0.03  # m: size of the first simplex
 SIMPLEX_ROTATION = 0.2  # rad
@@ -28,7 +26,7 @@ MERIT_TOLERANCE = 1e-4  # spread of the objective over the simplex that is small
 
 def solve_nelder_mead(
     problem: Problem,
-    start: Array,
+    start: Float[np.ndarray, " joints"],
     progress: Callable[[int, int], None] | None = None,
     evaluations: int = EVALUATIONS,
 ) -> Solution:
@@ -40,7 +38,7 @@ def solve_nelder_mead(
 
     Args:
         problem: what to minimise.
-        start: (n,) configuration before the first keypoint.
+        start: configuration before the first keypoint.
         progress: called with the number of finished keypoints and of all.
         evaluations: of the objective, at most, per pose parameter and keypoint.
 
@@ -63,7 +61,9 @@ def solve_nelder_mead(
     return describe(problem, state, "paper", 1, count, time.perf_counter() - begin)
 
 
-def _solve_keypoint(problem: Problem, previous: Array, evaluations: int) -> tuple[Array, int]:
+def _solve_keypoint(
+    problem: Problem, previous: Float[np.ndarray, " joints"], evaluations: int
+) -> tuple[Float[np.ndarray, " joints"], int]:
     from scipy.optimize import minimize
 
     workspace = problem.workspace
@@ -72,7 +72,7 @@ def _solve_keypoint(problem: Problem, previous: Array, evaluations: int) -> tupl
     start_position, start_rotation = origin.position[0, : len(arms)], origin.rotation[0, : len(arms)]
     best = [problem.merit(problem.state(previous[None])), previous]
 
-    def merit(parameters: Array) -> float:
+    def merit(parameters: Float[np.ndarray, " parameters"]) -> float:
         offsets = parameters.reshape(len(arms), 6)
         position = start_position + offsets[:, :3]
         rotation = Rotation.from_rotvec(offsets[:, 3:]).as_matrix() @ start_rotation

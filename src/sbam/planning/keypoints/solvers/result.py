@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.state import State
@@ -16,9 +16,9 @@ class Solution:
     """Optimised configurations and how they were got.
 
     Attributes:
-        configurations: (K, n) rad or m, within the limits.
+        configurations: rad or m, within the limits.
         objective: exact objective.
-        terms: term -> group -> (K,) cost at each keypoint, summed where two terms have both names; requirements are
+        terms: term -> group -> cost at each keypoint, summed where two terms have both names; requirements are
             the scaled residual's half square.
         active_limits: per keypoint the names of joints that rest on a limit.
         solver: name of the solver.
@@ -27,9 +27,9 @@ class Solution:
         seconds: wall time.
     """
 
-    configurations: NDArray[np.float64]
+    configurations: Float[np.ndarray, "keypoints joints"]
     objective: float
-    terms: dict[str, dict[str, NDArray[np.float64]]]
+    terms: dict[str, dict[str, Float[np.ndarray, " keypoints"]]]
     active_limits: tuple[tuple[str, ...], ...]
     solver: str
     starts: int
@@ -42,7 +42,7 @@ def describe(problem: Problem, state: State, solver: str, starts: int, iteration
     q = state.configurations
     names = problem.workspace.robot.joint_names
     at_limit = (q <= problem.lower + 1e-6) | (q >= problem.upper - 1e-6)
-    terms: dict[str, dict[str, NDArray[np.float64]]] = {}
+    terms: dict[str, dict[str, Float[np.ndarray, " keypoints"]]] = {}
     objective = 0.0
     for term in problem.terms:
         cost = term.cost(state)

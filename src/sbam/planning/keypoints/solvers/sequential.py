@@ -5,29 +5,27 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.solvers.result import Solution, describe
 from sbam.planning.keypoints.solvers.whole_trajectory import COLD, WARM, descend
 from sbam.planning.keypoints.state import State
 
-Array = NDArray[np.float64]
 
-
-def solve_sequentially(problem: Problem, start: Array) -> Solution:
+def solve_sequentially(problem: Problem, start: Float[np.ndarray, "*keypoints joints"]) -> Solution:
     """Solve each keypoint for itself, the ones before it being settled (paper, section III-D).
 
     Each is descended to from the keypoint before it, and from its own start if there is one; the better is kept.
 
     Args:
         problem: what to minimise.
-        start: (K, n), a motion that is nearly right, or (n,), the posture before the first keypoint.
+        start: a motion that is nearly right, or the posture before the first keypoint.
     """
     begin = time.perf_counter()
     own = start if start.ndim == 2 else None
     configurations = np.empty((problem.count, start.shape[-1]))
-    at: Array = start[0] if own is not None else start
+    at: Float[np.ndarray, " joints"] = start[0] if own is not None else start
     previous: State | None = None
     iterations = 0
     for k in range(problem.count):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.planning.keypoints.problem import Problem
 from sbam.planning.keypoints.solvers.banded import DampedSystem
@@ -15,8 +15,6 @@ from sbam.planning.keypoints.solvers.linearization import evaluate, linearize, u
 from sbam.planning.keypoints.solvers.result import Solution, describe
 from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.terms import Smoothing, Smoothness
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ LARGEST_DAMPING = 1e4  # a smaller step would change nothing
 
 def descend(
     problem: Problem,
-    start: Array,
+    start: Float[np.ndarray, "keypoints joints"],
     schedule: Sequence[Stage] = WARM,
     max_iterations: int = 40,
 ) -> tuple[State, int]:
@@ -65,7 +63,7 @@ def descend(
 
     Args:
         problem: what to minimise.
-        start: (K, n) configurations; projected to the limits.
+        start: configurations; projected to the limits.
         schedule: stages, coarse to fine.
         max_iterations: most iterations in each stage.
 
@@ -74,7 +72,7 @@ def descend(
     """
     state = problem.state(problem.project(start))
     solves, damping = 0, 1e-2
-    duals: list[Array | None] | None = None
+    duals: list[Float[np.ndarray, "keypoints _groups _rows"] | None] | None = None
     for stage in schedule:
         staged = problem
         if stage.stiffness > 0.0:
@@ -111,8 +109,10 @@ def descend(
     return state, solves
 
 
-def _capped(step: Array, largest: Array | float) -> Array:
-    """Steps (K, n), shortened so that no joint moves by more than ``largest``."""
+def _capped(
+    step: Float[np.ndarray, "keypoints joints"], largest: Float[np.ndarray, "keypoints 1"] | float
+) -> Float[np.ndarray, "keypoints joints"]:
+    """Steps, shortened so that no joint moves by more than ``largest``."""
     longest = np.abs(step).max(axis=1, keepdims=True)
     return step * np.minimum(1.0, largest / np.maximum(longest, 1e-12))
 
@@ -124,12 +124,12 @@ def _damping_after(damping: float, ratio: float) -> float:
     return damping if ratio > 0.25 else 2.0 * damping
 
 
-def solve_whole_trajectory(problem: Problem, starts: Sequence[Array]) -> Solution:
+def solve_whole_trajectory(problem: Problem, starts: Sequence[Float[np.ndarray, "... joints"]]) -> Solution:
     """Solve from several starts and keep the best by the exact merit.
 
     Args:
         problem: what to minimise.
-        starts: each (K, n), a motion that is nearly right, or (n,), one posture to begin with everywhere.
+        starts: each a motion that is nearly right, or one posture to begin with everywhere.
 
     Returns:
         The best solution.

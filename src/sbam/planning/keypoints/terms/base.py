@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.terms.rows import JointRows, Rows
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -73,18 +71,24 @@ class Term(ABC):
         return ()
 
     @abstractmethod
-    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, G, m) residual; zero is perfect."""
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints groups rows"]:
+        """Residual; zero is perfect."""
 
     @abstractmethod
-    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, G, m, n) derivative of the residual with respect to the keypoint's own configuration."""
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints groups rows joints"]:
+        """Derivative of the residual with respect to the keypoint's own configuration."""
 
-    def previous_jacobian(self, state: State) -> Array:
-        """(K, G, m, n) derivative with respect to the previous keypoint's configuration; row 0 is not used."""
+    def previous_jacobian(self, state: State) -> Float[np.ndarray, "keypoints groups rows joints"]:
+        """Derivative with respect to the previous keypoint's configuration; row 0 is not used."""
         raise TypeError(f"term {self.name!r} does not couple neighbours")
 
-    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+    def rows(
+        self,
+        state: State,
+        smoothing: Smoothing,
+        residual: Float[np.ndarray, "keypoints groups rows"],
+        norm: Float[np.ndarray, "keypoints groups"] | None,
+    ) -> Rows:
         """The linearised residual, given its value and smoothed norm at the state, for solvers."""
         count, joints = state.configurations.shape
         previous = None
@@ -104,8 +108,8 @@ class Term(ABC):
         """The part of the smoothing that applies to this term's norms."""
         return smoothing.similarity
 
-    def cost(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, G) contribution of each group at each keypoint to the objective."""
+    def cost(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints groups"]:
+        """Contribution of each group at each keypoint to the objective."""
         squared = np.square(self.residual(state, smoothing)).sum(axis=-1)
         if self.loss == "square":
             return 0.5 * squared

@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
+from jaxtyping import Float
 
 from sbam.planning.keypoints.state import State
-from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.base import EXACT, Smoothing, Term
 
 SCALE = 2e-3  # m: soft beside `Resting` and `Closure`, which it must not bend where a distance cannot be had
 
@@ -28,10 +29,10 @@ class Clearance(Term):
     (Schulman et al. 2014). Shorter lists are filled up with infinite distances.
 
     Attributes:
-        configurations: (K, n) the linearisation point.
-        distance: (K, G) of the pairs in the interval that ends at each keypoint, m; negative in penetration.
-        fraction: (K, G) share of the interval that has passed.
-        gradient: (K, G, n) of the distance with respect to the configuration at that moment, m/rad.
+        configurations: the linearisation point.
+        distance: of the pairs in the interval that ends at each keypoint, m; negative in penetration.
+        fraction: share of the interval that has passed.
+        gradient: of the distance with respect to the configuration at that moment, m/rad.
         margin: the distance wanted, m.
     """
 
@@ -39,34 +40,36 @@ class Clearance(Term):
     couples_neighbours: ClassVar[bool] = True
     is_requirement: ClassVar[bool] = True
 
-    configurations: Array
-    distance: Array
-    fraction: Array
-    gradient: Array
+    configurations: Float[np.ndarray, "keypoints joints"]
+    distance: Float[np.ndarray, "keypoints groups"]
+    fraction: Float[np.ndarray, "keypoints groups"]
+    gradient: Float[np.ndarray, "keypoints groups joints"]
     margin: float
 
-    def _missing(self, state: State) -> Array:
-        """(K, G) m that the linearised distances fall short of the margin; negative where they do not."""
+    def _missing(self, state: State) -> Float[np.ndarray, "keypoints groups"]:
+        """What the linearised distances fall short of the margin, m; negative where they do not."""
         step = state.configurations - self.configurations
         before = np.concatenate([np.zeros_like(step[:1]), step[:-1]])
         change = (1.0 - self.fraction) * np.matvec(self.gradient, before)
         change += self.fraction * np.matvec(self.gradient, step)
         return self.margin - self.distance - change
 
-    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, G, 1) missing distances in scales."""
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints groups 1"]:
+        """Missing distances in scales."""
         return np.maximum(self._missing(state), 0.0)[..., None] / SCALE
 
-    def _slope(self, state: State, share: Array) -> Array:
+    def _slope(
+        self, state: State, share: Float[np.ndarray, "keypoints groups"]
+    ) -> Float[np.ndarray, "keypoints groups 1 joints"]:
         active = self._missing(state) > 0.0
         return (-np.where(active, share, 0.0)[..., None] * self.gradient / SCALE)[..., None, :]
 
-    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, G, 1, n)."""
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints groups 1 joints"]:
+        """See `Term`."""
         return self._slope(state, self.fraction)
 
-    def previous_jacobian(self, state: State) -> Array:
-        """(K, G, 1, n)."""
+    def previous_jacobian(self, state: State) -> Float[np.ndarray, "keypoints groups 1 joints"]:
+        """See `Term`."""
         return self._slope(state, 1.0 - self.fraction)
 
     def groups(self) -> tuple[str, ...]:

@@ -6,11 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionReference
 from sbam.demonstrations.demonstration import Hand
-from sbam.planning.keypoints.terms.base import Array, Term
+from sbam.planning.keypoints.terms.base import Term
 from sbam.planning.settings import PlanSettings
 from sbam.planning.task import Task
 from sbam.robots import Robot
@@ -25,7 +27,7 @@ class TermContext:
         robot: the robot, standing in the agent frame; in the free flight, hands without arms.
         T_object_tcp: (role, hand) -> grasp.
         regions: the regions whose centres are ``State.region_position``, in its order.
-        times: (K,) keypoints on the model's time axis, s.
+        times: keypoints on the model's time axis, s.
         settings: weights of the terms.
         free_flight: whether it is asked where the objects would go if no robot had to hold them. Terms that are
             ``about_posture`` are left out then and need not be made.
@@ -35,7 +37,7 @@ class TermContext:
     robot: Robot
     T_object_tcp: Mapping[tuple[str, Hand], RigidTransform]
     regions: tuple[RegionReference, ...]
-    times: Array
+    times: Float[np.ndarray, " keypoints"]
     settings: PlanSettings
     free_flight: bool = False
 

@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 import numpy as np
+from jaxtyping import Float
 
 from sbam.constraints import constraint_type
 from sbam.planning.keypoints.state import State
-from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.base import EXACT, Smoothing, Term
 from sbam.planning.keypoints.terms.context import TermContext
 from sbam.planning.keypoints.terms.rows import Rows, VectorRows
 
@@ -21,9 +22,9 @@ class Damping(Term):
     .. math:: t_d(\theta) = \sum_o w'_o \left\lVert p_o - p_o^{\text{previous}} \right\rVert
 
     Attributes:
-        objects: (O,) roles of the carried objects, in the workspace's order.
-        weight: (K, O) 1/m.
-        start: (O, 3) origins before the first keypoint, agent frame, m.
+        objects: roles of the carried objects, in the workspace's order.
+        weight: 1/m.
+        start: origins before the first keypoint, agent frame, m.
     """
 
     name: ClassVar[str] = "damping"
@@ -31,26 +32,32 @@ class Damping(Term):
     couples_neighbours: ClassVar[bool] = True
 
     objects: tuple[str, ...]
-    weight: Array
-    start: Array
+    weight: Float[np.ndarray, "keypoints objects"]
+    start: Float[np.ndarray, "objects 3"]
 
-    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, O, 3) weighted steps."""
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints objects 3"]:
+        """Weighted steps."""
         position = state.object_position
         previous = np.concatenate([self.start[None], position[:-1]])
         return self.weight[..., None] * (position - previous)
 
-    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, O, 3, n)."""
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints objects 3 joints"]:
+        """See `Term`."""
         return self.weight[..., None, None] * state.object_jacobian
 
-    def previous_jacobian(self, state: State) -> Array:
-        """(K, O, 3, n)."""
+    def previous_jacobian(self, state: State) -> Float[np.ndarray, "keypoints objects 3 joints"]:
+        """See `Term`."""
         jacobian = state.object_jacobian
         shifted = np.concatenate([np.zeros_like(jacobian[:1]), jacobian[:-1]])
         return -self.weight[..., None, None] * shifted
 
-    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+    def rows(
+        self,
+        state: State,
+        smoothing: Smoothing,
+        residual: Float[np.ndarray, "keypoints objects 3"],
+        norm: Float[np.ndarray, "keypoints objects"] | None,
+    ) -> Rows:
         """The linearised residual; see `VectorRows`."""
         slope = self.weight[..., None, None] * np.eye(3)
         return VectorRows(residual, norm, slope, state.object_jacobian, coupled=True)

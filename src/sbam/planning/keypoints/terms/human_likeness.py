@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from jaxtyping import Float
 
 from sbam.planning.keypoints.state import State
-from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.base import EXACT, Smoothing, Term
 from sbam.planning.keypoints.terms.context import TermContext
 from sbam.planning.settings import PlanSettings
 from sbam.robots import NaturalDirections, Robot
@@ -47,12 +48,12 @@ class HumanLikeness(Term):
         """See `Term`."""
         return self.posture.frames
 
-    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, 1, m) scaled differences of the directions."""
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints 1 rows"]:
+        """Scaled differences of the directions."""
         return np.sqrt(self.weight) * self.posture.residual(state.kinematics)[:, None]
 
-    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, 1, m, n)."""
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints 1 rows joints"]:
+        """See `Term`."""
         return np.sqrt(self.weight) * self.posture.jacobian(state.kinematics)[:, None]
 
     def groups(self) -> tuple[str, ...]:

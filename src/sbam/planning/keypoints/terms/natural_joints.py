@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
+from jaxtyping import Float
 
 from sbam.planning.keypoints.state import State
-from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.base import EXACT, Smoothing, Term
 from sbam.planning.keypoints.terms.context import TermContext
 from sbam.planning.keypoints.terms.human_likeness import human_likeness_weight
 from sbam.robots.natural_joints import NaturalJoints
@@ -40,13 +41,13 @@ class JointHumanLikeness(Term):
         """See `Term`."""
         return self.posture.frames
 
-    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, A, 5) weighted differences of the joints."""
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints arms 5"]:
+        """Weighted differences of the joints."""
         residual = self.posture.residual(state.kinematics, state.configurations)
         return self.weight * residual.reshape(len(residual), len(self.arms), -1)
 
-    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, A, 5, n)."""
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints arms 5 joints"]:
+        """See `Term`."""
         jacobian = self.posture.jacobian(state.kinematics)
         return self.weight * jacobian.reshape(len(jacobian), len(self.arms), -1, np.shape(jacobian)[-1])
 

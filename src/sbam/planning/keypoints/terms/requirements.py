@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float
 
 from sbam.planning.keypoints.state import State
-from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.base import EXACT, Smoothing, Term
 from sbam.planning.keypoints.terms.context import TermContext
 from sbam.planning.keypoints.terms.rows import JointRows, Rows
 from sbam.robots.rotation_error import left_jacobian_inverse, rotation_error
@@ -22,7 +22,12 @@ POSITION_SCALE = 2e-4  # m: a pull of 1 per 5 mm, the strongest learned one, mov
 ROTATION_SCALE = 2e-3  # rad
 
 
-def _pose_residual(position: Array, position_target: Array, rotation: Array, rotation_target: Array) -> Array:
+def _pose_residual(
+    position: Float[np.ndarray, "*batch 3"],
+    position_target: Float[np.ndarray, "*batch 3"],
+    rotation: Float[np.ndarray, "*batch 3 3"],
+    rotation_target: Float[np.ndarray, "*batch 3 3"],
+) -> Float[np.ndarray, "*batch 6"]:
     translation = (position - position_target) / POSITION_SCALE
     return np.concatenate([translation, rotation_error(rotation, rotation_target) / ROTATION_SCALE], axis=-1)
 
@@ -37,22 +42,22 @@ class Resting(Term):
         + \left\lVert \tfrac{1}{s_R} \log(R_o {R_o^*}^\top) \right\rVert^2
 
     Attributes:
-        objects: (O,) roles of the carried objects, in the workspace's order.
-        resting: (K, O) where the requirement applies.
-        position: (K, O, 3) origins where the objects rest, agent frame, m.
-        rotation: (K, O, 3, 3) their orientations, agent frame.
+        objects: roles of the carried objects, in the workspace's order.
+        resting: where the requirement applies.
+        position: origins where the objects rest, agent frame, m.
+        rotation: their orientations, agent frame.
     """
 
     name: ClassVar[str] = "resting"
     is_requirement: ClassVar[bool] = True
 
     objects: tuple[str, ...]
-    resting: NDArray[np.bool_]
-    position: Array
-    rotation: Array
+    resting: Bool[np.ndarray, "keypoints objects"]
+    position: Float[np.ndarray, "keypoints objects 3"]
+    rotation: Float[np.ndarray, "keypoints objects 3 3"]
 
-    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, O, 6) scaled pose differences, zero where the object may move."""
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints objects 6"]:
+        """Scaled pose differences, zero where the object may move."""
         still = self.resting
         residual = np.zeros((*still.shape, 6))
         residual[still] = _pose_residual(
@@ -60,15 +65,21 @@ class Resting(Term):
         )
         return residual
 
-    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, O, 6, n)."""
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints objects 6 joints"]:
+        """See `Term`."""
         still = self.resting
         error = rotation_error(state.object_rotation[still], self.rotation[still])
         jacobian = self._jacobian(state)
         jacobian[still, 3:] = left_jacobian_inverse(error) @ jacobian[still, 3:]
         return jacobian
 
-    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+    def rows(
+        self,
+        state: State,
+        smoothing: Smoothing,
+        residual: Float[np.ndarray, "keypoints objects 6"],
+        norm: Float[np.ndarray, "keypoints objects"] | None,
+    ) -> Rows:
         """The linearised residual, with the rotations' errors v as if they were angular displacements.
 
         The true derivative has a factor J_l^-1: J_l^-T v = v leaves the gradient exact, and the matrix differs by
@@ -77,8 +88,8 @@ class Resting(Term):
         jacobian = self._jacobian(state)
         return JointRows(residual, norm, jacobian.reshape(len(residual), -1, jacobian.shape[-1]), None)
 
-    def _jacobian(self, state: State) -> Array:
-        """(K, O, 6, n) scaled linear and angular velocities of what rests, per joint velocity."""
+    def _jacobian(self, state: State) -> Float[np.ndarray, "keypoints objects 6 joints"]:
+        """Scaled linear and angular velocities of what rests, per joint velocity."""
         moving = state.object_jacobian
         jacobian = np.empty((*moving.shape[:2], 6, moving.shape[-1]))
         np.multiply(moving, (self.resting / POSITION_SCALE)[..., None, None], out=jacobian[..., :3, :])
@@ -109,8 +120,8 @@ class Closure(Term):
     Attributes:
         carrying: index of the carrying whose object is held by both hands.
         arm: index of the second arm in the workspace.
-        position: (3,) the second TCP in the object's frame, m.
-        rotation: (3, 3) its orientation in the object's frame.
+        position: the second TCP in the object's frame, m.
+        rotation: its orientation in the object's frame.
     """
 
     name: ClassVar[str] = "closure"
@@ -118,21 +129,21 @@ class Closure(Term):
 
     carrying: int
     arm: int
-    position: Array
-    rotation: Array
+    position: Float[np.ndarray, " 3"]
+    rotation: Float[np.ndarray, "3 3"]
 
-    def _wanted(self, state: State) -> tuple[Array, Array]:
+    def _wanted(self, state: State) -> tuple[Float[np.ndarray, "keypoints 3"], Float[np.ndarray, "keypoints 3 3"]]:
         rotation = state.object_rotation[:, self.carrying]
         return state.object_position[:, self.carrying] + rotation @ self.position, rotation @ self.rotation
 
-    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, 1, 6) scaled difference of the second TCP from its grasp."""
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints 1 6"]:
+        """Scaled difference of the second TCP from its grasp."""
         position, rotation = self._wanted(state)
         k = state.kinematics
         return _pose_residual(k.position[:, self.arm], position, k.rotation[:, self.arm], rotation)[:, None]
 
-    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, 1, 6, n)."""
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints 1 6 joints"]:
+        """See `Term`."""
         position, rotation = self._wanted(state)
         holder, arm = state.workspace.arm_of[[self.carrying]], np.array([self.arm])
         own = state.kinematics.position[:, [self.arm]]

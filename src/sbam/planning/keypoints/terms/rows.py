@@ -7,29 +7,29 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from jaxtyping import Float
 
 
 class NormalEquations:
     """Gradient and block-tridiagonal matrix J^T W J, added up over terms.
 
     Attributes:
-        gradient: (K, n).
-        diagonal: (K, n, n) blocks on the diagonal.
-        coupling: (K, n, n) blocks (k, k - 1); the first is zero.
+        gradient: of the sum.
+        diagonal: blocks on the diagonal.
+        coupling: blocks (k, k - 1); the first is zero.
     """
 
     def __init__(self, count: int, joints: int) -> None:
         self.gradient = np.zeros((count, joints))
         self.diagonal = np.zeros((count, joints, joints))
         self.coupling = np.zeros((count, joints, joints))
-        self._left: list[Array] = []
-        self._right: list[Array] = []
+        self._left: list[Float[np.ndarray, "keypoints _rows joints"]] = []
+        self._right: list[Float[np.ndarray, "keypoints _rows joints"]] = []
 
-    def add_rows(self, left: Array, right: Array) -> None:
-        """Add left^T right of rows (K, m, n) to the diagonal."""
+    def add_rows(
+        self, left: Float[np.ndarray, "keypoints rows joints"], right: Float[np.ndarray, "keypoints rows joints"]
+    ) -> None:
+        """Add left^T right of rows to the diagonal."""
         self._left.append(left)
         self._right.append(right)
 
@@ -45,33 +45,35 @@ class Rows(ABC):
     """The linearised residuals of one term.
 
     Attributes:
-        residual: (K, G, m).
-        norm: (K, G) smoothed norms; None for a term with squares.
+        residual: in the term's scales.
+        norm: smoothed norms; None for a term with squares.
     """
 
-    residual: Array
-    norm: Array | None
+    residual: Float[np.ndarray, "keypoints groups rows"]
+    norm: Float[np.ndarray, "keypoints groups"] | None
 
     @cached_property
-    def unit(self) -> Array:
-        """(K, G, m) derivative of the term by its residual: the residual, divided by the norm if there is one."""
+    def unit(self) -> Float[np.ndarray, "keypoints groups rows"]:
+        """Derivative of the term by its residual: the residual, divided by the norm if there is one."""
         return self.residual if self.norm is None else self.residual / self.norm[..., None]
 
     @abstractmethod
-    def change(self, step: Array) -> Array:
-        """(K, G, m) change of the residual with a step (K, n)."""
+    def change(self, step: Float[np.ndarray, "keypoints joints"]) -> Float[np.ndarray, "keypoints groups rows"]:
+        """Change of the residual with a step."""
 
     @abstractmethod
-    def pull(self, residual: Array) -> Array:
-        """(K, n) gradient J^T r of a residual r (K, G, m)."""
+    def pull(self, residual: Float[np.ndarray, "keypoints groups rows"]) -> Float[np.ndarray, "keypoints joints"]:
+        """Gradient J^T r of a residual r."""
 
     @abstractmethod
-    def add_to(self, normal: NormalEquations, dual: Array | None, curvature: float) -> None:
+    def add_to(
+        self, normal: NormalEquations, dual: Float[np.ndarray, "keypoints groups rows"] | None, curvature: float
+    ) -> None:
         """Add J^T u and J^T W J with W = (I - c (z u^T + u z^T) / 2) / v for norms v, else W = I.
 
         Args:
             normal: what to add to.
-            dual: z, (K, G, m), or None for 0.
+            dual: z, or None for 0.
             curvature: c.
         """
 
@@ -81,21 +83,21 @@ class JointRows(Rows):
     """Residuals with any derivatives by the joints.
 
     Attributes:
-        jacobian: (K, G m, n) by the keypoint's own configuration.
-        previous: (K - 1, G m, n) by the previous keypoint's, from the second keypoint on; None if not coupled.
+        jacobian: of the rows of all groups by the keypoint's own configuration.
+        previous: by the previous keypoint's, from the second keypoint on; None if not coupled.
     """
 
-    jacobian: Array
-    previous: Array | None
+    jacobian: Float[np.ndarray, "keypoints all_rows joints"]
+    previous: Float[np.ndarray, "later_keypoints all_rows joints"] | None
 
-    def change(self, step: Array) -> Array:
+    def change(self, step: Float[np.ndarray, "keypoints joints"]) -> Float[np.ndarray, "keypoints groups rows"]:
         """See `Rows`."""
         change = np.matvec(self.jacobian, step)
         if self.previous is not None:
             change[1:] += np.matvec(self.previous, step[:-1])
         return change.reshape(self.residual.shape)
 
-    def pull(self, residual: Array) -> Array:
+    def pull(self, residual: Float[np.ndarray, "keypoints groups rows"]) -> Float[np.ndarray, "keypoints joints"]:
         """See `Rows`."""
         rows = residual.reshape(len(residual), -1)
         gradient = np.vecmat(rows, self.jacobian)
@@ -103,7 +105,9 @@ class JointRows(Rows):
             gradient[:-1] += np.vecmat(rows[1:], self.previous)
         return gradient
 
-    def add_to(self, normal: NormalEquations, dual: Array | None, curvature: float) -> None:
+    def add_to(
+        self, normal: NormalEquations, dual: Float[np.ndarray, "keypoints groups rows"] | None, curvature: float
+    ) -> None:
         """See `Rows`."""
         unit = self.unit
         normal.gradient += self.pull(unit)
@@ -114,7 +118,14 @@ class JointRows(Rows):
             normal.diagonal[:-1] += self.previous.mT @ before
             normal.coupling[1:] += self.jacobian[1:].mT @ before
 
-    def _weighted(self, jacobian: Array, of: slice, unit: Array, dual: Array | None, curvature: float) -> Array:
+    def _weighted(
+        self,
+        jacobian: Float[np.ndarray, "some_keypoints all_rows joints"],
+        of: slice,
+        unit: Float[np.ndarray, "keypoints groups rows"],
+        dual: Float[np.ndarray, "keypoints groups rows"] | None,
+        curvature: float,
+    ) -> Float[np.ndarray, "some_keypoints all_rows joints"]:
         """W J of the keypoints ``of``."""
         if self.norm is None:
             return jacobian
@@ -135,38 +146,40 @@ class VectorRows(Rows):
     Weights are made for the vectors' three coordinates, which are fewer than the residual's.
 
     Attributes:
-        slope: (K, G, m, 3) derivative of the residual by the group's vector.
-        vectors: (K, G, 3, n) derivative of the vectors by the joints.
+        slope: derivative of the residual by the group's vector.
+        vectors: derivative of the vectors by the joints.
         coupled: whether the residual depends on the vector's difference from the previous keypoint's.
     """
 
-    slope: Array
-    vectors: Array
+    slope: Float[np.ndarray, "keypoints groups rows 3"]
+    vectors: Float[np.ndarray, "keypoints groups 3 joints"]
     coupled: bool = False
 
     @cached_property
-    def _flat(self) -> Array:
-        """(K, 3 G, n) derivative of the vectors."""
+    def _flat(self) -> Float[np.ndarray, "keypoints vectors joints"]:
+        """Derivative of the vectors of all groups."""
         count, groups, _, joints = self.vectors.shape
         return self.vectors.reshape(count, 3 * groups, joints)
 
-    def change(self, step: Array) -> Array:
+    def change(self, step: Float[np.ndarray, "keypoints joints"]) -> Float[np.ndarray, "keypoints groups rows"]:
         """See `Rows`."""
         vectors = np.matvec(self.vectors, step[:, None])
         if self.coupled:
             vectors = np.concatenate([vectors[:1], vectors[1:] - vectors[:-1]])
         return np.matvec(self.slope, vectors)
 
-    def pull(self, residual: Array) -> Array:
+    def pull(self, residual: Float[np.ndarray, "keypoints groups rows"]) -> Float[np.ndarray, "keypoints joints"]:
         """See `Rows`."""
         return self._pull(np.vecmat(residual, self.slope))
 
-    def _pull(self, vectors: Array) -> Array:
+    def _pull(self, vectors: Float[np.ndarray, "keypoints groups 3"]) -> Float[np.ndarray, "keypoints joints"]:
         if self.coupled:
             vectors = np.concatenate([vectors[:-1] - vectors[1:], vectors[-1:]])
         return np.vecmat(vectors.reshape(len(vectors), -1), self._flat)
 
-    def add_to(self, normal: NormalEquations, dual: Array | None, curvature: float) -> None:
+    def add_to(
+        self, normal: NormalEquations, dual: Float[np.ndarray, "keypoints groups rows"] | None, curvature: float
+    ) -> None:
         """See `Rows`."""
         assert self.norm is not None
         by_unit = np.vecmat(self.unit, self.slope)
@@ -187,7 +200,7 @@ class VectorRows(Rows):
 
 @dataclass(frozen=True)
 class StepRows(Rows):
-    """Squares of scaled steps of the joints from keypoint to keypoint, (K, 1, n).
+    """Squares of scaled steps of the joints from keypoint to keypoint, as one group.
 
     Attributes:
         scale: factor from the step to the residual.
@@ -197,7 +210,7 @@ class StepRows(Rows):
     scale: float
     first: bool
 
-    def change(self, step: Array) -> Array:
+    def change(self, step: Float[np.ndarray, "keypoints joints"]) -> Float[np.ndarray, "keypoints 1 joints"]:
         """See `Rows`."""
         change = self.scale * step
         change[1:] -= self.scale * step[:-1]
@@ -205,7 +218,7 @@ class StepRows(Rows):
             change[0] = 0.0
         return change[:, None]
 
-    def pull(self, residual: Array) -> Array:
+    def pull(self, residual: Float[np.ndarray, "keypoints 1 joints"]) -> Float[np.ndarray, "keypoints joints"]:
         """See `Rows`."""
         gradient = self.scale * residual[:, 0]
         if not self.first:
@@ -213,7 +226,9 @@ class StepRows(Rows):
         gradient[:-1] -= self.scale * residual[1:, 0]
         return gradient
 
-    def add_to(self, normal: NormalEquations, dual: Array | None, curvature: float) -> None:
+    def add_to(
+        self, normal: NormalEquations, dual: Float[np.ndarray, "keypoints 1 joints"] | None, curvature: float
+    ) -> None:
         """See `Rows`."""
         normal.gradient += self.pull(self.residual)
         square = self.scale**2

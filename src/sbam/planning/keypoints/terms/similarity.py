@@ -7,12 +7,12 @@ from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 
 from sbam.constraints import ConstraintType, constraint_type
 from sbam.planning.keypoints.state import State
 from sbam.planning.keypoints.targets import compared_changes, pair_target, vector_shift
-from sbam.planning.keypoints.terms.base import EXACT, Array, Smoothing, Term
+from sbam.planning.keypoints.terms.base import EXACT, Smoothing, Term
 from sbam.planning.keypoints.terms.context import TermContext
 from sbam.planning.keypoints.terms.rows import Rows, VectorRows
 from sbam.planning.keypoints.weights import pair_weights
@@ -31,13 +31,13 @@ class Similarity(Term):
 
     Attributes:
         constraint: the type, which knows residual and derivative.
-        pairs: (P,) names.
-        first: (P,) index of the first region in the workspace.
-        second: (P,) index of the second region, -1 for own-start pairs.
-        origin: (P, 3) where the first region was at the start, agent frame, m; used for own-start pairs.
-        shift: (P, 3) added to the vectors, agent frame, m; moves a support's reference point.
-        target: (K, P, C) learned mean, in the channels' units.
-        weight: (K, P, C) weight of each channel.
+        pairs: names.
+        first: index of the first region in the workspace.
+        second: index of the second region, -1 for own-start pairs.
+        origin: where the first region was at the start, agent frame, m; used for own-start pairs.
+        shift: added to the vectors, agent frame, m; moves a support's reference point.
+        target: learned mean, in the channels' units.
+        weight: of each channel.
     """
 
     name: ClassVar[str] = "similarity"
@@ -46,12 +46,12 @@ class Similarity(Term):
 
     constraint: ConstraintType
     pairs: tuple[str, ...]
-    first: NDArray[np.int_]
-    second: NDArray[np.int_]
-    origin: Array
-    shift: Array
-    target: Array
-    weight: Array
+    first: Int[np.ndarray, " pairs"]
+    second: Int[np.ndarray, " pairs"]
+    origin: Float[np.ndarray, "pairs 3"]
+    shift: Float[np.ndarray, "pairs 3"]
+    target: Float[np.ndarray, "keypoints pairs channels"]
+    weight: Float[np.ndarray, "keypoints pairs channels"]
 
     @property
     def most_excess(self) -> float | None:
@@ -59,8 +59,8 @@ class Similarity(Term):
         return UNREACHED if self.constraint.mode == "default" else None
 
     @cached_property
-    def _incidence(self) -> Array:
-        """(P, R) matrix that takes the first R region centres to vectors: 1 at the first region, -1 at the second."""
+    def _incidence(self) -> Float[np.ndarray, "pairs regions"]:
+        """Matrix that takes the first region centres to vectors: 1 at the first region, -1 at the second."""
         incidence = np.zeros((len(self.pairs), 1 + max(self.first.max(), self.second.max())))
         pairs = np.arange(len(self.pairs))
         incidence[pairs, self.first] = 1.0
@@ -69,36 +69,42 @@ class Similarity(Term):
         return incidence
 
     @cached_property
-    def _constant(self) -> Array:
-        """(P, 3) what does not move: the shift, and the start of own-start pairs, m."""
+    def _constant(self) -> Float[np.ndarray, "pairs 3"]:
+        """What does not move: the shift, and the start of own-start pairs, m."""
         return self.shift - np.where(self.second[:, None] >= 0, 0.0, self.origin)
 
-    def vector(self, state: State) -> Array:
-        """(K, P, 3) vectors first - second, agent frame, m."""
+    def vector(self, state: State) -> Float[np.ndarray, "keypoints pairs 3"]:
+        """Vectors first - second, agent frame, m."""
         incidence = self._incidence
         return incidence @ state.region_position[:, : incidence.shape[1]] + self._constant
 
-    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, P, m) residual of each pair."""
+    def residual(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints pairs rows"]:
+        """Residual of each pair."""
         return self.constraint.residual(self.vector(state), self.target, self.weight, delta_rho=smoothing.rho)
 
-    def _slope(self, state: State, smoothing: Smoothing) -> Array:
-        """(K, P, m, 3) derivative of the residual by the pair's vector."""
+    def _slope(self, state: State, smoothing: Smoothing) -> Float[np.ndarray, "keypoints pairs rows 3"]:
+        """Derivative of the residual by the pair's vector."""
         return self.constraint.residual_jacobian(self.vector(state), self.target, self.weight, delta_rho=smoothing.rho)
 
-    def _vector_jacobian(self, state: State) -> Array:
-        """(K, P, 3, n) derivative of the vectors."""
+    def _vector_jacobian(self, state: State) -> Float[np.ndarray, "keypoints pairs 3 joints"]:
+        """Derivative of the vectors."""
         w, incidence = state.workspace, self._incidence
         carried = w.carried[w.carried < incidence.shape[1]]
         regions = state.moving_jacobian[:, : len(carried)]
         flat = incidence[:, carried] @ regions.reshape(*regions.shape[:2], -1)
         return flat.reshape(*flat.shape[:2], *regions.shape[2:])
 
-    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Array:
-        """(K, P, m, n) by the chain rule through the pair's vector."""
+    def jacobian(self, state: State, smoothing: Smoothing = EXACT) -> Float[np.ndarray, "keypoints pairs rows joints"]:
+        """By the chain rule through the pair's vector."""
         return self._slope(state, smoothing) @ self._vector_jacobian(state)
 
-    def rows(self, state: State, smoothing: Smoothing, residual: Array, norm: Array | None) -> Rows:
+    def rows(
+        self,
+        state: State,
+        smoothing: Smoothing,
+        residual: Float[np.ndarray, "keypoints pairs rows"],
+        norm: Float[np.ndarray, "keypoints pairs"] | None,
+    ) -> Rows:
         """The linearised residual; see `VectorRows`."""
         return VectorRows(residual, norm, self._slope(state, smoothing), self._vector_jacobian(state))
 
