@@ -255,15 +255,15 @@ def _distinct(
 
 def warp(
     time: Float[np.ndarray, " *batch"],
-    own_anchor_times: Float[np.ndarray, " anchors"],
-    model_anchor_times: Float[np.ndarray, " anchors"],
+    own_anchor_times: Float[np.ndarray, " own_anchors"],
+    model_anchor_times: Float[np.ndarray, " model_anchors"],
 ) -> Float[np.ndarray, " *batch"]:
     """Map times of a demonstration to the model's time axis (swap the anchors for the way back).
 
     Args:
         time: s; times before the first or after the last anchor are clamped to it.
         own_anchor_times: s, strictly increasing: when the anchors occur in the demonstration.
-        model_anchor_times: s, strictly increasing: when they occur in the model.
+        model_anchor_times: s, strictly increasing, as many: when they occur in the model.
 
     Returns:
         Times on the model's axis, s; strictly monotone between the first and the last anchor.
