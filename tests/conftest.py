@@ -5,10 +5,15 @@ import textwrap
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import jaxtyping
 import numpy as np
 import pytest
 from hypothesis import Phase, settings
 from scipy.spatial.transform import RigidTransform, Rotation
+
+# Shapes and number types in annotations are checked in tests, never in use. Left out: rooms whose annotations do not
+# say shapes.
+jaxtyping.install_import_hook(["sbam.constraints", "sbam.scene", "sbam.learning"], "beartype.beartype")
 
 from sbam.demonstrations.scenes import starting_scene
 from sbam.demonstrations.synthetic import built_in_demonstrations

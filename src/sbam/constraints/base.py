@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal, Self, get_args
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from jaxtyping import Bool, Float
 
 MILLIMETRES_PER_METRE = 1000.0
 
@@ -70,49 +68,65 @@ class ConstraintType(ABC):
         return self.length_floor
 
     @property
-    def circular(self) -> NDArray[np.bool_]:
-        """Which channels are angles, (C,)."""
+    def circular(self) -> Bool[np.ndarray, " channels"]:
+        """Which channels are angles."""
         return np.array([unit == "rad" for unit in self.channel_units])
 
-    def in_mode(self, mode: Literal["default", "paper"]) -> Self:
+    def in_mode(self, mode: Literal["default", "paper"]) -> ConstraintType:
         """The same type with the weights of another mode."""
         return replace(self, mode=mode)
 
     @abstractmethod
-    def channels(self, d: Array) -> Array:
-        """Channels (..., C) of vectors ``d`` (..., 3), m."""
+    def channels(self, d: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch channels"]:
+        """Channels of vectors ``d``, m."""
 
     @abstractmethod
-    def vector(self, channels: Array) -> Array:
-        """Vectors (..., 3), m, with the given channels (..., C); the nearest sense where channels contradict."""
+    def vector(self, channels: Float[np.ndarray, "*batch channels"]) -> Float[np.ndarray, "*batch 3"]:
+        """Vectors, m, with the given channels; the nearest sense where channels contradict."""
 
     @abstractmethod
-    def jacobian(self, d: Array) -> Array:
-        """Derivatives (..., C, 3) of the channels; 0 where a channel has none (azimuth at rho = 0)."""
+    def jacobian(self, d: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch channels 3"]:
+        """Derivatives of the channels; 0 where a channel has none (azimuth at rho = 0)."""
 
     @abstractmethod
-    def residual(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
+    def residual(
+        self,
+        d: Float[np.ndarray, "*#batch 3"],
+        target: Float[np.ndarray, "*#batch channels"],
+        weight: Float[np.ndarray, "*#batch channels"],
+        delta_rho: float = 0.0,
+    ) -> Float[np.ndarray, "*#batch residuals"]:
         """Weighted deviation whose squared norm is the similarity.
 
         Args:
-            d: (..., 3) current vectors, m.
-            target: (..., C) target channels.
-            weight: (..., C) from `weights`.
+            d: current vectors, m.
+            target: target channels.
+            weight: from `weights`.
             delta_rho: smooths what has a kink at rho = 0, m; 0 is exact.
 
         Returns:
-            (..., m), with m fixed per type and mode.
+            As many numbers as the type and mode fix.
         """
 
     @abstractmethod
-    def residual_jacobian(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
-        """Derivative (..., m, 3) of `residual` by ``d``."""
+    def residual_jacobian(
+        self,
+        d: Float[np.ndarray, "*#batch 3"],
+        target: Float[np.ndarray, "*#batch channels"],
+        weight: Float[np.ndarray, "*#batch channels"],
+        delta_rho: float = 0.0,
+    ) -> Float[np.ndarray, "*#batch residuals 3"]:
+        """Derivative of `residual` by ``d``."""
 
     @abstractmethod
-    def weights(self, std: Array, target: Array) -> Array:
-        """Weights (..., C) for standard deviations (..., C) at a target (..., C), both in the channels' units."""
+    def weights(
+        self, std: Float[np.ndarray, "*#batch channels"], target: Float[np.ndarray, "*#batch channels"]
+    ) -> Float[np.ndarray, "*#batch channels"]:
+        """Weights for standard deviations at a target, both in the channels' units."""
 
-    def spread(self, std: Array, mean: Array) -> Array:
+    def spread(
+        self, std: Float[np.ndarray, "*batch channels"], mean: Float[np.ndarray, "*batch channels"]
+    ) -> Float[np.ndarray, "*batch"]:
         r"""One number for the standard deviations of all channels, by which pairs are compared.
 
         .. math:: \sqrt{\sum_c \left(\sigma_c / \lVert \nabla c \rVert \right)^2}
@@ -121,41 +135,44 @@ class ConstraintType(ABC):
         count as arcs. For a type whose channels do not point along different directions it is to be overridden.
 
         Args:
-            std: (..., C) standard deviations, in the channels' units.
-            mean: (..., C) mean channels.
+            std: standard deviations, in the channels' units.
+            mean: mean channels.
 
         Returns:
-            (...), in `spread_unit`: m.
+            In `spread_unit`: m.
         """
         slope = np.linalg.norm(self.jacobian(self.vector(mean)), axis=-1)
         # A channel without a derivative there, such as an azimuth at radius 0, moves nothing.
-        return np.linalg.norm(np.divide(std, slope, out=np.zeros_like(slope), where=slope > 0.0), axis=-1)
+        deviation = np.divide(std, slope, out=np.zeros_like(slope), where=slope > 0.0)
+        return np.asarray(np.linalg.norm(deviation, axis=-1))
 
-    def _length_weight(self, std: Array) -> Array:
+    def _length_weight(self, std: Float[np.ndarray, "*batch"]) -> Float[np.ndarray, "*batch"]:
         """Weight of a length with standard deviation ``std``, m."""
         if self.mode == "paper":
             return MILLIMETRES_PER_METRE / (1.0 + MILLIMETRES_PER_METRE * std)
         return 1.0 / np.sqrt(std**2 + self.length_floor**2)
 
 
-def smooth_radius(d: Array, delta_rho: float) -> tuple[Array, Array, Array]:
+def smooth_radius(
+    d: Float[np.ndarray, "*batch 3"], delta_rho: float
+) -> tuple[Float[np.ndarray, "*batch"], Float[np.ndarray, "*batch 2"], Float[np.ndarray, "*batch"]]:
     """Radius in the horizontal plane, without a kink at 0.
 
     With ``D = sqrt(rho^2 + delta^2)`` the smooth radius is ``rho^2 / D``: 0 at 0, and rho for ``delta`` = 0.
 
     Args:
-        d: (..., 3) m.
+        d: m.
         delta_rho: delta, m.
 
     Returns:
-        The radius (...), m; its derivative by (dx, dy), (..., 2); and D (...), m, which is never 0.
+        The radius, m; its derivative by (dx, dy); and D, m, which is never 0.
     """
     squared = d[..., 0] ** 2 + d[..., 1] ** 2
-    denominator = np.sqrt(squared + (delta_rho**2 + 1e-24))
+    denominator = np.asarray(np.sqrt(squared + (delta_rho**2 + 1e-24)))
     slope = (squared + 2.0 * delta_rho**2) / denominator**3
-    return squared / denominator, slope[..., None] * d[..., :2], denominator
+    return np.asarray(squared / denominator), np.asarray(slope)[..., None] * d[..., :2], denominator
 
 
-def wrap(angle: Array) -> Array:
+def wrap(angle: Float[np.ndarray | np.float64, "*batch"]) -> Float[np.ndarray, "*batch"]:
     """The same angle within [-pi, pi), rad."""
-    return (angle + np.pi) % (2.0 * np.pi) - np.pi
+    return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from jaxtyping import Float
 
-from sbam.constraints.base import Array, ConstraintType, Unit, smooth_radius, wrap
+from sbam.constraints.base import ConstraintType, Unit, smooth_radius, wrap
 
 
 @dataclass(frozen=True)
@@ -38,17 +39,17 @@ class Cylindrical(ConstraintType):
     channel_names: ClassVar[tuple[str, ...]] = ("rho", "phi", "z")
     channel_units: ClassVar[tuple[Unit, ...]] = ("m", "rad", "m")
 
-    def channels(self, d: Array) -> Array:
+    def channels(self, d: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
         """Radius, azimuth in [-pi, pi] and elevation."""
         return np.stack([np.hypot(d[..., 0], d[..., 1]), np.arctan2(d[..., 1], d[..., 0]), d[..., 2]], axis=-1)
 
-    def vector(self, channels: Array) -> Array:
+    def vector(self, channels: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
         """From polar to Cartesian coordinates."""
         rho, phi, z = channels[..., 0], channels[..., 1], channels[..., 2]
         return np.stack([rho * np.cos(phi), rho * np.sin(phi), z], axis=-1)
 
-    def jacobian(self, d: Array) -> Array:
-        """Derivatives (..., 3, 3)."""
+    def jacobian(self, d: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3 3"]:
+        """Derivatives of the channels."""
         _, slope, rho = smooth_radius(d, 0.0)
         jacobian = np.zeros((*np.shape(d), 3))
         jacobian[..., 0, :2] = slope
@@ -58,8 +59,14 @@ class Cylindrical(ConstraintType):
         jacobian[..., 2, 2] = 1.0
         return jacobian
 
-    def residual(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
-        """(..., 3) in mode ``paper``, (..., 4) in mode ``default``; see the class and `ConstraintType.residual`."""
+    def residual(
+        self,
+        d: Float[np.ndarray, "*#batch 3"],
+        target: Float[np.ndarray, "*#batch 3"],
+        weight: Float[np.ndarray, "*#batch 3"],
+        delta_rho: float = 0.0,
+    ) -> Float[np.ndarray, "*#batch residuals"]:
+        """Three in mode ``paper``, four in mode ``default``; see the class and `ConstraintType.residual`."""
         radius, _, denominator = smooth_radius(d, delta_rho)
         elevation = weight[..., 2] * (d[..., 2] - target[..., 2])
         if self.mode == "paper":
@@ -70,8 +77,14 @@ class Cylindrical(ConstraintType):
         forward = weight[..., 1] * (d[..., 1] / denominator - np.sin(target[..., 1]))
         return np.stack([weight[..., 0] * (radius - target[..., 0]), right, forward, elevation], axis=-1)
 
-    def residual_jacobian(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
-        """Derivative (..., 3 or 4, 3) of `residual`."""
+    def residual_jacobian(
+        self,
+        d: Float[np.ndarray, "*#batch 3"],
+        target: Float[np.ndarray, "*#batch 3"],
+        weight: Float[np.ndarray, "*#batch 3"],
+        delta_rho: float = 0.0,
+    ) -> Float[np.ndarray, "*#batch residuals 3"]:
+        """Derivative of `residual`."""
         _, slope, denominator = smooth_radius(d, delta_rho)
         unit = d[..., :2] / denominator[..., None]
         jacobian = np.zeros((*np.shape(denominator), 3 if self.mode == "paper" else 4, 3))
@@ -93,7 +106,9 @@ class Cylindrical(ConstraintType):
         jacobian[..., 2, 1] = scale * (1.0 - unit[..., 1] ** 2)
         return jacobian
 
-    def weights(self, std: Array, target: Array) -> Array:
+    def weights(
+        self, std: Float[np.ndarray, "*#batch 3"], target: Float[np.ndarray, "*#batch 3"]
+    ) -> Float[np.ndarray, "*#batch 3"]:
         """Weights of rho, phi and z; the floor of the azimuth is ``length_floor / rho*``, see `ConstraintType`."""
         std = np.asarray(std, dtype=np.float64)
         weight = self._length_weight(std)

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from jaxtyping import Float
 from scipy.special import i0e
 
-from sbam.constraints.base import MILLIMETRES_PER_METRE, Array, ConstraintType, Unit, smooth_radius
+from sbam.constraints.base import MILLIMETRES_PER_METRE, ConstraintType, Unit, smooth_radius
 
 
 @dataclass(frozen=True)
@@ -48,8 +49,10 @@ SPATIAL_RELATIONS = (
 )
 
 
-def _linear_form(relations: tuple[SpatialRelation, ...]) -> tuple[Array, Array]:
-    """Log-densities as ``features @ A + b`` with features (rho^2, rho, cos phi, sin phi, z^2, z); A (6, C), b (C,).
+def _linear_form(
+    relations: tuple[SpatialRelation, ...],
+) -> tuple[Float[np.ndarray, "6 channels"], Float[np.ndarray, " channels"]]:
+    """Log-densities as ``features @ A + b`` with features (rho^2, rho, cos phi, sin phi, z^2, z).
 
     ``b`` makes them densities per mm^2 and rad, as in the paper; another unit would only shift every value alike.
     """
@@ -98,41 +101,57 @@ class Symbolic(ConstraintType):
         """See `ConstraintType`."""
         return self.log_floor
 
-    def channels(self, d: Array) -> Array:
-        """Log-densities (..., 8)."""
+    def channels(self, d: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 8"]:
+        """Log-densities."""
         return self._log_densities(d, 0.0)
 
-    def vector(self, channels: Array) -> Array:
+    def vector(self, channels: Float[np.ndarray, "*batch 8"]) -> Float[np.ndarray, "*batch 3"]:
         """The log-densities are linear in (rho^2, rho, cos phi, sin phi, z^2, z): those by least squares, then d."""
         features = (channels - _OFFSET) @ _INVERSE
         rho, phi = np.maximum(features[..., 1], 0.0), np.arctan2(features[..., 3], features[..., 2])
         return np.stack([rho * np.cos(phi), rho * np.sin(phi), features[..., 5]], axis=-1)
 
-    def jacobian(self, d: Array) -> Array:
-        """Derivatives (..., 8, 3)."""
+    def jacobian(self, d: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 8 3"]:
+        """Derivatives of the log-densities."""
         return self._log_density_jacobian(d, 0.0)
 
-    def residual(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
-        """``w (log v - log v*)``, (..., 8); see `ConstraintType.residual`."""
+    def residual(
+        self,
+        d: Float[np.ndarray, "*#batch 3"],
+        target: Float[np.ndarray, "*#batch 8"],
+        weight: Float[np.ndarray, "*#batch 8"],
+        delta_rho: float = 0.0,
+    ) -> Float[np.ndarray, "*#batch residuals"]:
+        """``w (log v - log v*)``; see `ConstraintType.residual`."""
         return weight * (self._log_densities(d, delta_rho) - target)
 
-    def residual_jacobian(self, d: Array, target: Array, weight: Array, delta_rho: float = 0.0) -> Array:
-        """Derivative (..., 8, 3) of `residual`."""
+    def residual_jacobian(
+        self,
+        d: Float[np.ndarray, "*#batch 3"],
+        target: Float[np.ndarray, "*#batch 8"],
+        weight: Float[np.ndarray, "*#batch 8"],
+        delta_rho: float = 0.0,
+    ) -> Float[np.ndarray, "*#batch residuals 3"]:
+        """Derivative of `residual`."""
         return weight[..., None] * self._log_density_jacobian(d, delta_rho)
 
-    def weights(self, std: Array, target: Array) -> Array:
+    def weights(
+        self, std: Float[np.ndarray, "*#batch channels"], target: Float[np.ndarray, "*#batch channels"]
+    ) -> Float[np.ndarray, "*#batch channels"]:
         """Weights of the relations; see `ConstraintType`."""
         std = np.asarray(std, dtype=np.float64)
         if self.mode == "paper":
             return 1.0 / (1.0 + std)
         return 1.0 / np.hypot(std, self.log_floor)
 
-    def spread(self, std: Array, mean: Array) -> Array:
-        """Norm (...) of the standard deviations; the eight channels see one vector from overlapping sides."""
-        return np.linalg.norm(std, axis=-1)
+    def spread(
+        self, std: Float[np.ndarray, "*batch channels"], mean: Float[np.ndarray, "*batch channels"]
+    ) -> Float[np.ndarray, "*batch"]:
+        """Norm of the standard deviations; the eight channels see one vector from overlapping sides."""
+        return np.asarray(np.linalg.norm(std, axis=-1))
 
     @staticmethod
-    def _log_densities(d: Array, delta_rho: float) -> Array:
+    def _log_densities(d: Float[np.ndarray, "*batch 3"], delta_rho: float) -> Float[np.ndarray, "*batch 8"]:
         radius, _, _ = smooth_radius(d, delta_rho)
         unit, _ = _azimuth(d, delta_rho)
         features = np.empty((*np.shape(radius), 6))
@@ -144,7 +163,7 @@ class Symbolic(ConstraintType):
         return features @ _MATRIX + _OFFSET
 
     @staticmethod
-    def _log_density_jacobian(d: Array, delta_rho: float) -> Array:
+    def _log_density_jacobian(d: Float[np.ndarray, "*batch 3"], delta_rho: float) -> Float[np.ndarray, "*batch 8 3"]:
         _, slope, _ = smooth_radius(d, delta_rho)
         unit, denominator = _azimuth(d, delta_rho)
         features = np.zeros((*np.shape(denominator), 6, 3))
@@ -159,7 +178,9 @@ class Symbolic(ConstraintType):
         return _MATRIX.T @ features
 
 
-def _azimuth(d: Array, delta_rho: float) -> tuple[Array, Array]:
-    """The azimuth's unit vector (..., 2), which fades at rho = 0, and by what (x, y) is divided, (...), m."""
-    denominator = np.sqrt(d[..., 0] ** 2 + d[..., 1] ** 2 + (delta_rho**2 + VERTICAL**2))
+def _azimuth(
+    d: Float[np.ndarray, "*batch 3"], delta_rho: float
+) -> tuple[Float[np.ndarray, "*batch 2"], Float[np.ndarray, "*batch"]]:
+    """The azimuth's unit vector, which fades at rho = 0, and by what (x, y) is divided, m."""
+    denominator = np.asarray(np.sqrt(d[..., 0] ** 2 + d[..., 1] ** 2 + (delta_rho**2 + VERTICAL**2)))
     return d[..., :2] / denominator[..., None], denominator

@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.demonstrations.events import Event
-
-Array = NDArray[np.float64]
 
 DESCRIPTOR_WEIGHT = 0.25
 """Cost of (1 - cosine) between the descriptors of two events, next to their difference in phase."""
@@ -36,28 +34,28 @@ class AnchorSet:
     Attributes:
         kinds: (A) ``start``, ``lift``, ``place``, ``reversal``, ``tilt``, ``end``; first ``start``, last ``end``.
         roles: (A) the role whose object shows it, None for start and end.
-        times: (D, A) s on each demonstration's own time axis, strictly increasing along A, first column 0.
+        times: s on each demonstration's own time axis, strictly increasing along A, first column 0.
         notes: what was left out and why, a sentence each.
     """
 
     kinds: tuple[str, ...]
     roles: tuple[str | None, ...]
-    times: Array
+    times: Float[np.ndarray, "demonstrations anchors"]
     notes: tuple[str, ...] = ()
 
     @property
-    def mean_times(self) -> Array:
-        """(A,) mean times, s: the anchors on the model's time axis."""
+    def mean_times(self) -> Float[np.ndarray, " anchors"]:
+        """Mean times, s: the anchors on the model's time axis."""
         return self.times.mean(axis=0)
 
 
 @dataclass(frozen=True)
 class _Candidate:
-    """An event of one role that was found in all demonstrations: times (D,) s."""
+    """An event of one role that was found in all demonstrations: times, s."""
 
     kind: str
     role: str
-    times: Array
+    times: Float[np.ndarray, " demonstrations"]
     strength: float
 
     @property
@@ -105,21 +103,21 @@ def align_events(events: Sequence[Sequence[Event]], durations: Sequence[float]) 
 def locate_anchors(
     kinds: Sequence[str],
     roles: Sequence[str | None],
-    times: Array,
+    times: Float[np.ndarray, " anchors"],
     events: Sequence[Event],
     duration: float,
-) -> Array:
+) -> Float[np.ndarray, " anchors"]:
     """When the anchors of a model occur in a demonstration that it was not learned from.
 
     Args:
         kinds: (A) kinds of the anchors; first ``start``, last ``end``.
         roles: (A) their roles.
-        times: (A,) their times on the model's axis, s.
+        times: their times on the model's axis, s.
         events: events of the demonstration whose ``object`` is the role.
         duration: duration of the demonstration, s.
 
     Returns:
-        (A,) s, strictly increasing from 0 to ``duration``; an anchor that the demonstration does not show lies
+        In s, strictly increasing from 0 to ``duration``; an anchor that the demonstration does not show lies
         between its neighbours as in the model.
     """
     times = np.asarray(times, dtype=float)
@@ -145,15 +143,15 @@ def _of_role(events: Sequence[Event], role: str) -> list[Event]:
     return own if {"lift", "place"} <= {event.kind for event in own} else []
 
 
-def _phases(events: Sequence[Event]) -> Array:
-    """Times (N,) as phase: 0 at the lift, 1 at the place."""
+def _phases(events: Sequence[Event]) -> Float[np.ndarray, " events"]:
+    """Times as phase: 0 at the lift, 1 at the place."""
     lift = min(event.time for event in events if event.kind == "lift")
     place = max(event.time for event in events if event.kind == "place")
     return (np.array([event.time for event in events]) - lift) / max(place - lift, np.finfo(float).eps)
 
 
-def _costs(first: Sequence[Event], second: Sequence[Event]) -> Array:
-    """Cost (N, M) of making events partners; infinite between different kinds and opposite directions."""
+def _costs(first: Sequence[Event], second: Sequence[Event]) -> Float[np.ndarray, "rows columns"]:
+    """Cost of making events partners; infinite between different kinds and opposite directions."""
     cost = np.abs(_phases(first)[:, None] - _phases(second))
     for row, one in enumerate(first):
         for column, other in enumerate(second):
@@ -164,11 +162,11 @@ def _costs(first: Sequence[Event], second: Sequence[Event]) -> Array:
     return cost
 
 
-def align_in_order(cost: Array, gap: float) -> tuple[list[tuple[int, int]], float]:
+def align_in_order(cost: Float[np.ndarray, "rows columns"], gap: float) -> tuple[list[tuple[int, int]], float]:
     """Order-preserving alignment of two sequences with gaps (Needleman and Wunsch 1970).
 
     Args:
-        cost: (N, M) cost of making items partners, may be infinite.
+        cost: of making items partners, may be infinite.
         gap: cost of an item without a partner.
 
     Returns:
@@ -218,14 +216,16 @@ def _recurring(role: str, sequences: list[list[Event]]) -> list[_Candidate]:
     return candidates
 
 
-def _sorted_times(candidates: Sequence[_Candidate], durations: Array) -> Array:
-    """Times (D, A) of start, candidates and end, sorted in each demonstration and apart where there is room."""
+def _sorted_times(
+    candidates: Sequence[_Candidate], durations: Float[np.ndarray, " demonstrations"]
+) -> Float[np.ndarray, "demonstrations anchors"]:
+    """Times of start, candidates and end, sorted in each demonstration and apart where there is room."""
     columns = [np.zeros(len(durations)), *(candidate.times for candidate in candidates), durations]
     return _apart(np.sort(np.stack(columns, axis=1), axis=1))
 
 
-def _apart(times: Array) -> Array:
-    """Sorted times (D, A) moved apart, as far as there is room between the first and the last."""
+def _apart(times: Float[np.ndarray, "demonstrations anchors"]) -> Float[np.ndarray, "demonstrations anchors"]:
+    """Sorted times moved apart, as far as there is room between the first and the last."""
     last = times.shape[1] - 1
     for column in range(1, last):
         times[:, column] = np.maximum(times[:, column], times[:, column - 1] + LEAST_OWN_DISTANCE)
@@ -234,7 +234,9 @@ def _apart(times: Array) -> Array:
     return times
 
 
-def _distinct(candidates: list[_Candidate], durations: Array, notes: list[str]) -> list[_Candidate]:
+def _distinct(
+    candidates: list[_Candidate], durations: Float[np.ndarray, " demonstrations"], notes: list[str]
+) -> list[_Candidate]:
     """Drop the weaker of any two candidates that are too close, and those too close to start or end."""
     kept = sorted(candidates, key=lambda candidate: float(candidate.times.mean()))
     while kept:
@@ -251,16 +253,20 @@ def _distinct(candidates: list[_Candidate], durations: Array, notes: list[str]) 
     return kept
 
 
-def warp(time: Array, own_anchor_times: Array, model_anchor_times: Array) -> Array:
+def warp(
+    time: Float[np.ndarray, " *batch"],
+    own_anchor_times: Float[np.ndarray, " own_anchors"],
+    model_anchor_times: Float[np.ndarray, " model_anchors"],
+) -> Float[np.ndarray, " *batch"]:
     """Map times of a demonstration to the model's time axis (swap the anchors for the way back).
 
     Args:
-        time: any shape, s; times before the first or after the last anchor are clamped to it.
-        own_anchor_times: (A,) s, strictly increasing: when the anchors occur in the demonstration.
-        model_anchor_times: (A,) s, strictly increasing: when they occur in the model.
+        time: s; times before the first or after the last anchor are clamped to it.
+        own_anchor_times: s, strictly increasing: when the anchors occur in the demonstration.
+        model_anchor_times: s, strictly increasing, as many: when they occur in the model.
 
     Returns:
-        Times on the model's axis, same shape as ``time``, s; strictly monotone between the first and the last anchor.
+        Times on the model's axis, s; strictly monotone between the first and the last anchor.
 
     Raises:
         ValueError: if the anchors do not correspond or do not increase.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 
 from sbam.constraints.region_pair import RegionPair
 
@@ -17,18 +17,18 @@ class GeneralizedChannel:
     Attributes:
         name: name of the channel, such as ``rho``.
         unit: see `sbam.constraints.base.Unit`.
-        time: (M,) s on the model's time axis, strictly increasing, first 0, last the model's duration.
-        mean: (M,) in ``unit``; an azimuth is unwrapped along time.
-        std: (M,) in ``unit``.
-        count: (M,) demonstrations that a keypoint has seen.
+        time: s on the model's time axis, strictly increasing, first 0, last the model's duration.
+        mean: in ``unit``; an azimuth is unwrapped along time.
+        std: in ``unit``.
+        count: demonstrations that a keypoint has seen.
     """
 
     name: str
     unit: str
-    time: NDArray[np.float64]
-    mean: NDArray[np.float64]
-    std: NDArray[np.float64]
-    count: NDArray[np.int64]
+    time: Float[np.ndarray, " keypoints"]
+    mean: Float[np.ndarray, " keypoints"]
+    std: Float[np.ndarray, " keypoints"]
+    count: Int[np.ndarray, " keypoints"]
 
 
 @dataclass(frozen=True)
@@ -48,22 +48,26 @@ class GeneralizedChange:
     channels: tuple[GeneralizedChannel, ...]
     from_agent: bool = False
 
-    def at(self, time: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def at(
+        self, time: Float[np.ndarray, " samples"]
+    ) -> tuple[Float[np.ndarray, "samples channels"], Float[np.ndarray, "samples channels"]]:
         """Mean and standard deviation at the given times.
 
         Args:
-            time: (K,) s on the model's time axis.
+            time: s on the model's time axis.
 
         Returns:
-            Mean and standard deviation, each (K, C), in the channels' units.
+            Mean and standard deviation, in the channels' units.
         """
         mean = np.stack([np.interp(time, channel.time, channel.mean) for channel in self.channels], axis=-1)
         std = np.stack([np.interp(time, channel.time, channel.std) for channel in self.channels], axis=-1)
         return mean, std
 
 
-def pair_vector(first: NDArray[np.float64], second: NDArray[np.float64], from_agent: bool) -> NDArray[np.float64]:
-    """The vector between two regions, first - second, (..., 3) m, agent frame.
+def pair_vector(
+    first: Float[np.ndarray, "*#batch 3"], second: Float[np.ndarray, "*#batch 3"], from_agent: bool
+) -> Float[np.ndarray, "*#batch 3"]:
+    """The vector between two regions, first - second, m, agent frame.
 
     Things may be placed anywhere on a support: its ellipse is a tolerance and its centre is arbitrary, while people
     work where their hands reach well. ``from_agent`` measures in the plane from the agent's origin instead, and only

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.demonstrations.demonstration import Hand
 from sbam.learning.anchors import AnchorSet, warp
 from sbam.learning.model import HandHold
 from sbam.learning.sketch import DemonstrationSketch, SketchedHold
 
-Array = NDArray[np.float64]
 
-
-def hand_holds(sketches: Sequence[DemonstrationSketch], anchors: AnchorSet, model_times: Array) -> tuple[HandHold, ...]:
+def hand_holds(
+    sketches: Sequence[DemonstrationSketch], anchors: AnchorSet, model_times: Float[np.ndarray, " anchors"]
+) -> tuple[HandHold, ...]:
     """Mean holds on the model's time axis, in order of their grasps.
 
     A hold belongs to the action if more than half of the demonstrations show it. Where recordings hold no hands, an
@@ -25,10 +25,10 @@ def hand_holds(sketches: Sequence[DemonstrationSketch], anchors: AnchorSet, mode
     Args:
         sketches: D demonstrations.
         anchors: their anchors.
-        model_times: (A,) the anchors on the model's time axis, s.
+        model_times: the anchors on the model's time axis, s.
     """
     free_hand = _hands_by_side(sketches)
-    found: dict[tuple[str, Hand], list[tuple[float, float, Array | None]]] = {}
+    found: dict[tuple[str, Hand], list[tuple[float, float, Float[np.ndarray, " 3"] | None]]] = {}
     for own, sketch in zip(anchors.times, sketches, strict=True):
         spans: dict[tuple[str, Hand], list[SketchedHold]] = {}
         for hold in sketch.holds:

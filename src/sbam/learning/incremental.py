@@ -5,38 +5,38 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 
 from sbam.constraints.base import wrap
 from sbam.learning.generalization import GeneralizedChannel
 from sbam.learning.keypoint_matching import align
 from sbam.learning.settings import LearningSettings
 
-Array = NDArray[np.float64]
-
 _SAME_TIME = 1e-6
 """Keypoints closer than this part of the duration are one."""
 
 
-def first_demonstration(name: str, unit: str, time: Array, value: Array) -> GeneralizedChannel:
+def first_demonstration(
+    name: str, unit: str, time: Float[np.ndarray, " keypoints"], value: Float[np.ndarray, " keypoints"]
+) -> GeneralizedChannel:
     """The generalised channel after one demonstration: its own polyline, standard deviation 0.
 
     Args:
         name: name of the channel.
         unit: its unit.
-        time: (M,) s, strictly increasing from 0.
-        value: (M,) in ``unit``.
+        time: s, strictly increasing from 0.
+        value: in ``unit``.
     """
     return GeneralizedChannel(name, unit, time.copy(), value.copy(), np.zeros(len(time)), np.ones(len(time), np.int64))
 
 
 def add_candidates(
     channel: GeneralizedChannel,
-    time: Array,
-    value: Array,
+    time: Float[np.ndarray, " candidates"],
+    value: Float[np.ndarray, " candidates"],
     demonstrations: int,
     settings: LearningSettings,
-    anchors: tuple[NDArray[np.int64], NDArray[np.int64]] | None = None,
+    anchors: tuple[Int[np.ndarray, " anchors"], Int[np.ndarray, " anchors"]] | None = None,
 ) -> GeneralizedChannel:
     """Update a generalised channel with the keypoint candidates of one more demonstration.
 
@@ -45,8 +45,8 @@ def add_candidates(
 
     Args:
         channel: what was learned so far.
-        time: (N,) s of the candidates, on the model's time axis (or, in ``seconds``, in their own time).
-        value: (N,) their values; azimuths unwrapped.
+        time: s of the candidates, on the model's time axis (or, in ``seconds``, in their own time).
+        value: their values; azimuths unwrapped.
         demonstrations: number of demonstrations, the new one included; 2 or more.
         settings: update rule, gap cost, amplitude floors.
         anchors: rows of ``channel`` and columns of the candidates that are the same events; None: the ends.
@@ -71,7 +71,9 @@ def add_candidates(
     enter = np.flatnonzero(unmatched_column & apart)
     order = np.argsort(np.concatenate([channel.time, entry_time[enter]]), kind="stable")
 
-    def merged(of_model: Array, of_candidates: Array) -> Array:
+    def merged(
+        of_model: Float[np.ndarray, " keypoints"], of_candidates: Float[np.ndarray, " entering"]
+    ) -> Float[np.ndarray, " merged"]:
         return np.concatenate([of_model, of_candidates])[order]
 
     old_time = merged(channel.time, entry_time[enter])
@@ -86,17 +88,22 @@ def add_candidates(
 
 
 def update_moments(
-    mean: Array, std: Array, value: Array, demonstrations: int, rule: str, circular: bool
-) -> tuple[Array, Array]:
+    mean: Float[np.ndarray, " keypoints"],
+    std: Float[np.ndarray, " keypoints"],
+    value: Float[np.ndarray, " keypoints"],
+    demonstrations: int,
+    rule: str,
+    circular: bool,
+) -> tuple[Float[np.ndarray, " keypoints"], Float[np.ndarray, " keypoints"]]:
     """Mean and standard deviation after one more value.
 
     ``paper``: ``std'^2 = ((v - mean)^2 + (n - 2) std^2) / (n - 1)``; ``welford``, which gives the exact sample
     standard deviation: ``std'^2 = ((v - mean)(v - mean') + (n - 2) std^2) / (n - 1)``.
 
     Args:
-        mean: (M,) of n - 1 values.
-        std: (M,) of n - 1 values.
-        value: (M,) the n-th value.
+        mean: of n - 1 values.
+        std: of n - 1 values.
+        value: the n-th value.
         demonstrations: n, 2 or more.
         rule: ``paper`` or ``welford``.
         circular: whether the values are angles, so that differences wrap.
@@ -108,8 +115,13 @@ def update_moments(
     return mean + difference / n, np.sqrt(variance)
 
 
-def _match_cost(channel: GeneralizedChannel, time: Array, value: Array, settings: LearningSettings) -> Array:
-    """Cost (M, N): |dt| / duration + |dv| / amplitude."""
+def _match_cost(
+    channel: GeneralizedChannel,
+    time: Float[np.ndarray, " candidates"],
+    value: Float[np.ndarray, " candidates"],
+    settings: LearningSettings,
+) -> Float[np.ndarray, "keypoints candidates"]:
+    """Cost: |dt| / duration + |dv| / amplitude."""
     difference = channel.mean[:, None] - value
     if channel.unit == "rad":
         difference = wrap(difference)

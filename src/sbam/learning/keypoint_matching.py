@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from jaxtyping import Float, Int
 
 _CERTAIN = -1e6
 """Cost of a match that is given, so low that no other can be worth breaking it."""
 
 
-def align(cost: Array, gap: float, given: tuple[NDArray[np.int64], NDArray[np.int64]]) -> NDArray[np.int64]:
+def align(
+    cost: Float[np.ndarray, "rows columns"],
+    gap: float,
+    given: tuple[Int[np.ndarray, " given"], Int[np.ndarray, " given"]],
+) -> Int[np.ndarray, "matches 2"]:
     """Cheapest monotone one-to-one matching with gaps (Needleman-Wunsch).
 
     Args:
-        cost: (M, N) cost of matching row m with column n.
+        cost: of matching each row with each column.
         gap: cost of leaving one row or column without a partner.
-        given: rows and columns, each (G,) and increasing, that are matched in any case.
+        given: rows and columns, each increasing, that are matched in any case.
 
     Returns:
-        (P, 2) matched rows and columns, both strictly increasing.
+        Matched rows and columns, both strictly increasing.
     """
     cost = cost.copy()
     cost[given] = _CERTAIN
@@ -36,7 +38,9 @@ def align(cost: Array, gap: float, given: tuple[NDArray[np.int64], NDArray[np.in
     return _trace(total, cost, gap)
 
 
-def _trace(total: Array, cost: Array, gap: float) -> NDArray[np.int64]:
+def _trace(
+    total: Float[np.ndarray, "_ _"], cost: Float[np.ndarray, "rows columns"], gap: float
+) -> Int[np.ndarray, "matches 2"]:
     pairs = []
     row, column = cost.shape
     while row > 0 and column > 0:

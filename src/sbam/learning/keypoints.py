@@ -6,12 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 
 from sbam.learning.generalization import GeneralizedChange
 from sbam.learning.settings import LearningSettings
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -19,20 +17,20 @@ class KeypointHistogram:
     """The histogram from which the keypoints are taken.
 
     Attributes:
-        edges: (B + 1,) borders of the bins, s.
-        counts: (B,) keypoint candidates per bin.
-        filtered: (B,) after the low-pass filter.
-        peaks: (P,) bins that are peaks, increasing.
+        edges: borders of the bins, one more than these, s.
+        counts: keypoint candidates per bin.
+        filtered: after the low-pass filter.
+        peaks: bins that are peaks, increasing.
     """
 
-    edges: Array
-    counts: Array
-    filtered: Array
-    peaks: NDArray[np.int64]
+    edges: Float[np.ndarray, " edges"]
+    counts: Float[np.ndarray, " bins"]
+    filtered: Float[np.ndarray, " bins"]
+    peaks: Int[np.ndarray, " peaks"]
 
     @property
-    def centers(self) -> Array:
-        """(B,) middles of the bins, s."""
+    def centers(self) -> Float[np.ndarray, " bins"]:
+        """Middles of the bins, s."""
         return 0.5 * (self.edges[:-1] + self.edges[1:])
 
 
@@ -57,15 +55,17 @@ def keypoint_histogram(
     return KeypointHistogram(edges, counts, filtered, np.sort(peaks[strongest]))
 
 
-def keypoint_times(histogram: KeypointHistogram, anchors: Array) -> Array:
+def keypoint_times(
+    histogram: KeypointHistogram, anchors: Float[np.ndarray, " anchors"]
+) -> Float[np.ndarray, " keypoints"]:
     """Times of the action's keypoints: the anchors, and the peaks that are not at one.
 
     Args:
         histogram: see `keypoint_histogram`.
-        anchors: (A,) s, increasing, with start and end.
+        anchors: s, increasing, with start and end.
 
     Returns:
-        (K,) s, strictly increasing, first and last as in ``anchors``.
+        In s, strictly increasing, first and last as in ``anchors``.
     """
     width = histogram.edges[1] - histogram.edges[0]
     centers = histogram.centers[histogram.peaks]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 
 from sbam.constraints import RegionPair, constraint_type
 from sbam.demonstrations.demonstration import Demonstration
@@ -35,7 +35,6 @@ from sbam.learning.strokes import equalize_sketches
 from sbam.learning.variants import order_groups
 from sbam.scene.object_library import ObjectLibrary
 
-Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
 
@@ -207,10 +206,10 @@ def _of_known_pairs(
 
 @dataclass(frozen=True)
 class _TimeAxis:
-    """Anchors of all demonstrations: times (D, A) in their own time, (A,) on the model's."""
+    """Anchors of all demonstrations: times in their own time and on the model's."""
 
     anchors: AnchorSet
-    model: Array
+    model: Float[np.ndarray, " anchors"]
 
 
 def _time_axis(sketches: Sequence[DemonstrationSketch], settings: LearningSettings) -> _TimeAxis:
@@ -277,7 +276,9 @@ def _watched_pairs(sketches: Sequence[DemonstrationSketch], settings: LearningSe
     return pairs_that_move(pairs, {role.role for sketch in sketches for role in sketch.roles if role.moves})
 
 
-def _aligned(candidates: PairCandidates, own: Array, model: Array) -> PairCandidates:
+def _aligned(
+    candidates: PairCandidates, own: Float[np.ndarray, " anchors"], model: Float[np.ndarray, " anchors"]
+) -> PairCandidates:
     """The candidates on the model's time axis, with a knot at every anchor."""
     channels = []
     for channel in candidates.channels:
@@ -292,9 +293,9 @@ def _generalized(
     candidates: Sequence[PairCandidates],
     demonstrations: int,
     settings: LearningSettings,
-    anchors: Array | None,
+    anchors: Float[np.ndarray, " anchors"] | None,
 ) -> tuple[GeneralizedChange, ...]:
-    """Changes after one more demonstration; ``anchors`` (A,) are knots in both, None: only the ends belong together."""
+    """Changes after one more demonstration; ``anchors`` are knots in both, None: only the ends belong together."""
     if not changes:
         return tuple(_first_change(candidate) for candidate in candidates)
     result = []
@@ -321,8 +322,8 @@ def _first_change(candidates: PairCandidates) -> GeneralizedChange:
     return GeneralizedChange(candidates.pair, candidates.constraint, channels, candidates.from_agent)
 
 
-def _nearest(time: Array, wanted: Array) -> NDArray[np.int64]:
-    """Index (A,) of the time nearest to each of the wanted ones, up to rounding equal to it."""
+def _nearest(time: Float[np.ndarray, " samples"], wanted: Float[np.ndarray, " anchors"]) -> Int[np.ndarray, " anchors"]:
+    """Index of the time nearest to each of the wanted ones, up to rounding equal to it."""
     return np.abs(time[:, None] - wanted).argmin(axis=0)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 
 from sbam.demonstrations.demonstration import Hand
 from sbam.learning.generalization import GeneralizedChange
@@ -57,15 +57,15 @@ class HandHold:
         hand: by which hand of the agent.
         grasp: mean time of the grasp, s on the model's time axis.
         release: mean time of the release, s on the model's time axis.
-        hand_position: (D, 3) from the object's origin to the hand at the grasp, agent axes, one row per demonstration
-            with this hold, m; (0, 3) if the recordings hold no hands (then ``hand`` is a choice, not an observation).
+        hand_position: from the object's origin to the hand at the grasp, agent axes, one row per demonstration
+            with this hold, m; no row if the recordings hold no hands (then ``hand`` is a choice, not an observation).
     """
 
     role: str
     hand: Hand
     grasp: float
     release: float
-    hand_position: NDArray[np.float64]
+    hand_position: Float[np.ndarray, "demonstrations 3"]
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Variant:
     """The same action, learned from those demonstrations alone that take and put back their objects in one order.
 
     Attributes:
-        demonstrations: (M,) indices of these demonstrations among the model's.
+        demonstrations: indices of these demonstrations among the model's.
         changes: as in `ActionModel`, of these demonstrations.
         anchors: likewise.
         keypoint_times: likewise.
@@ -81,10 +81,10 @@ class Variant:
         notes: likewise.
     """
 
-    demonstrations: NDArray[np.int64]
+    demonstrations: Int[np.ndarray, " demonstrations"]
     changes: tuple[GeneralizedChange, ...]
     anchors: tuple[Anchor, ...]
-    keypoint_times: NDArray[np.float64]
+    keypoint_times: Float[np.ndarray, " keypoints"]
     holds: tuple[HandHold, ...]
     notes: tuple[str, ...] = ()
 
@@ -100,7 +100,7 @@ class ActionModel:
         roles: the parts objects play.
         changes: one generalised change per region pair.
         anchors: recurring events in order of time; first ``start`` (0), last ``end`` (= duration).
-        keypoint_times: (K,) s on the model's time axis, strictly increasing, first 0, last the duration.
+        keypoint_times: s on the model's time axis, strictly increasing, first 0, last the duration.
         holds: who holds what, when.
         synthetic: True if any demonstration was synthetic.
         demonstrations: what is kept of each demonstration, so that more can be added without the recordings.
@@ -115,7 +115,7 @@ class ActionModel:
     roles: tuple[Role, ...]
     changes: tuple[GeneralizedChange, ...]
     anchors: tuple[Anchor, ...]
-    keypoint_times: NDArray[np.float64]
+    keypoint_times: Float[np.ndarray, " keypoints"]
     holds: tuple[HandHold, ...]
     synthetic: bool
     demonstrations: tuple[DemonstrationSketch, ...] = ()

@@ -16,7 +16,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Shaped
 
 from sbam.constraints import CONSTRAINT_TYPES, constraint_type
 from sbam.errors import FileFormatError
@@ -33,13 +33,6 @@ FORMAT_VERSION = 2
 
 _LINE = 110
 """What fits into this many characters is written on one line."""
-_MATRICES = {
-    ("HandHold", "hand_position"),
-    ("SketchedRole", "start"),
-    ("SketchedPath", "position"),
-    ("SketchedPath", "rotation"),
-}
-"""Array fields with rows of three, by class and field; all other arrays have one axis."""
 
 
 def save_model(model: ActionModel, path: str | Path) -> None:
@@ -106,24 +99,24 @@ def _pretty(value: Any, indent: str) -> str:
 
 
 @cache
-def _schema(hint: Any, matrix: bool = False) -> Any:
+def _schema(hint: Any) -> Any:
     """The schema of a type: a struct that refuses unknown fields for every dataclass, lists for arrays."""
     if is_dataclass(hint) and isinstance(hint, type):
         hints = get_type_hints(hint)
         parts = []
         for field in fields(hint):
-            kind = _schema(hints[field.name], (hint.__name__, field.name) in _MATRICES)
+            kind = _schema(hints[field.name])
             default = () if field.default is MISSING else (field.default,)
             parts.append((field.name, kind, *default))
         return msgspec.defstruct(hint.__name__, parts, forbid_unknown_fields=True, kw_only=True)
     dtype = _array_dtype(hint)
     if dtype is not None:
         number = int if issubclass(dtype, np.integer) else float
-        return list[tuple[float, float, float]] if matrix else list[number]
+        return list[tuple[float, float, float]] if _has_rows_of_three(hint) else list[number]
     if get_origin(hint) is tuple:
         return tuple[_schema(get_args(hint)[0]), ...]
     if get_origin(hint) in (Union, UnionType):
-        return Union[tuple(_schema(option, matrix) for option in get_args(hint))]  # noqa: UP007
+        return Union[tuple(_schema(option) for option in get_args(hint))]  # noqa: UP007
     return hint
 
 
@@ -139,18 +132,22 @@ def _array_dtype(hint: Any) -> type[np.generic] | None:
     return None
 
 
+def _has_rows_of_three(hint: Any) -> bool:
+    """Whether an array is one of rows of three, as its shape says; all other arrays have one axis."""
+    *rows, last = getattr(hint, "dim_str", "").split() or [""]
+    return len(rows) == 1 and last == "3"
+
+
 def _typed(hint: Any, value: Any) -> Any:
     """The dataclass, tuple or array that a checked plain value stands for."""
     if is_dataclass(hint) and isinstance(hint, type):
         hints = get_type_hints(hint)
         content = {field.name: _typed(hints[field.name], getattr(value, field.name)) for field in fields(hint)}
-        for name in content:
-            if (hint.__name__, name) in _MATRICES and content[name] is not None:
-                content[name] = content[name].reshape(-1, 3)
         return hint(**content)
     dtype = _array_dtype(hint)
     if dtype is not None:
-        return np.array(value, dtype=dtype)
+        array = np.array(value, dtype=dtype)
+        return array.reshape(-1, 3) if _has_rows_of_three(hint) else array
     if get_origin(hint) is tuple:
         return tuple(_typed(get_args(hint)[0], item) for item in value)
     if get_origin(hint) in (Union, UnionType) and value is not None:
@@ -211,11 +208,13 @@ def _check_change(change: GeneralizedChange, duration: float, roles: set[str], p
             raise FileFormatError(path, f"{place}.std", "has a negative number", "0 or more")
 
 
-def _increasing(values: NDArray[np.float64], least: int, path: Path, where: str) -> None:
+def _increasing(values: Float[np.ndarray, " times"], least: int, path: Path, where: str) -> None:
     if len(values) < least or not np.all(np.diff(values) > 0):
         raise FileFormatError(path, where, "does not increase", f"{least} or more times in order")
 
 
-def _same_length(values: NDArray[Any], time: NDArray[np.float64], path: Path, where: str) -> None:
+def _same_length(
+    values: Shaped[np.ndarray, " values"], time: Float[np.ndarray, " times"], path: Path, where: str
+) -> None:
     if len(values) != len(time):
         raise FileFormatError(path, where, f"has {len(values)} numbers", f"{len(time)}, one for each time")

@@ -11,14 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.interpolate import make_interp_spline, pchip_interpolate
 from scipy.spatial.transform import Rotation
 
 from sbam.demonstrations.demonstration import Demonstration
 from sbam.demonstrations.signals import even_times, smooth_positions
-
-Array = NDArray[np.float64]
 
 RATE = 10.0  # Hz: positions are smoothed below 5 Hz before they are sketched
 SPACING = 0.15  # s between the centres of the basis functions, and their width
@@ -33,16 +31,16 @@ class SketchedPath:
 
     Attributes:
         role: name of the role.
-        position: (N, 3) of its origin, agent frame, m.
-        rotation: (N, 3) rotation vectors from its orientation at the start, agent axes, rad, without jumps.
+        position: of its origin, agent frame, m.
+        rotation: rotation vectors from its orientation at the start, agent axes, rad, without jumps.
     """
 
     role: str
-    position: Array
-    rotation: Array
+    position: Float[np.ndarray, "samples 3"]
+    rotation: Float[np.ndarray, "samples 3"]
 
-    def at(self, time: Array, duration: float) -> tuple[Array, Rotation]:
-        """Positions (T, 3) and rotations from the start at times (T,) s of a demonstration that took ``duration`` s."""
+    def at(self, time: Float[np.ndarray, " times"], duration: float) -> tuple[Float[np.ndarray, "times 3"], Rotation]:
+        """Positions and rotations from the start at times, s, of a demonstration that took ``duration`` s."""
         own = np.linspace(0.0, duration, len(self.position))
         time = np.clip(time, 0.0, duration)
         position, rotation = (make_interp_spline(own, values, k=3)(time) for values in (self.position, self.rotation))
@@ -68,8 +66,8 @@ def sketch_path(demonstration: Demonstration, name: str, role: str) -> SketchedP
     return SketchedPath(role, *kept)
 
 
-def _continuous(rotation_vectors: Array) -> Array:
-    """The same rotations (T, 3) by vectors that do not jump where an angle passes half a turn."""
+def _continuous(rotation_vectors: Float[np.ndarray, "samples 3"]) -> Float[np.ndarray, "samples 3"]:
+    """The same rotations by vectors that do not jump where an angle passes half a turn."""
     result = rotation_vectors.copy()
     for i in range(1, len(result)):
         angle = float(np.linalg.norm(result[i]))
@@ -89,25 +87,30 @@ class MovementPrimitive:
     Attributes:
         start: s.
         end: s.
-        mean: (N, C) of the weights.
-        covariance: (C, N, N) of the weights.
+        mean: of the weights.
+        covariance: of the weights.
     """
 
     start: float
     end: float
-    mean: Array
-    covariance: Array
+    mean: Float[np.ndarray, "weights channels"]
+    covariance: Float[np.ndarray, "channels weights weights"]
 
-    def through(self, via_time: Array, via: Array, time: Array) -> Array:
+    def through(
+        self,
+        via_time: Float[np.ndarray, " points"],
+        via: Float[np.ndarray, "points channels"],
+        time: Float[np.ndarray, " times"],
+    ) -> Float[np.ndarray, "times channels"]:
         """The most likely path through via-points.
 
         Args:
-            via_time: (V,) strictly increasing from ``start`` to ``end``, s.
-            via: (V, C).
-            time: (T,) within them, s.
+            via_time: strictly increasing from ``start`` to ``end``, s.
+            via: where the path shall be then.
+            time: within them, s.
 
         Returns:
-            (T, C). Via-points that the basis functions cannot reach are met by a remainder that is interpolated.
+            The path at these times. Via-points that the basis cannot reach are met by an interpolated remainder.
         """
         basis, at_via = self._basis(time), self._basis(via_time)
         straight, straight_via = (self._straight(t, via[0], via[-1]) for t in (time, via_time))
@@ -121,19 +124,26 @@ class MovementPrimitive:
             reached[:, channel] += at_via @ change
         return result + pchip_interpolate(via_time, via - reached, time)
 
-    def _straight(self, time: Array, first: Array, last: Array) -> Array:
+    def _straight(
+        self,
+        time: Float[np.ndarray, " times"],
+        first: Float[np.ndarray, " channels"],
+        last: Float[np.ndarray, " channels"],
+    ) -> Float[np.ndarray, "times channels"]:
         return first + (last - first) * ((time - self.start) / (self.end - self.start))[:, None]
 
-    def _basis(self, time: Array) -> Array:
+    def _basis(self, time: Float[np.ndarray, " times"]) -> Float[np.ndarray, "times weights"]:
         return _basis(time, self.start, self.end)
 
 
-def learn_primitive(time: Array, paths: Sequence[Array], spread: float) -> MovementPrimitive:
+def learn_primitive(
+    time: Float[np.ndarray, " times"], paths: Sequence[Float[np.ndarray, "times channels"]], spread: float
+) -> MovementPrimitive:
     """Learn from D demonstrated paths on one time axis.
 
     Args:
-        time: (T,) s, even.
-        paths: D paths (T, C).
+        time: s, even.
+        paths: D paths.
         spread: standard deviation of the weights beyond what the demonstrations show, in the unit of the paths: how
             readily their shape is left for a via-point, alike everywhere.
     """
@@ -149,8 +159,8 @@ def learn_primitive(time: Array, paths: Sequence[Array], spread: float) -> Movem
     return MovementPrimitive(start, end, mean, covariance + spread**2 * np.eye(basis.shape[1]))
 
 
-def _basis(time: Array, start: float, end: float) -> Array:
-    """Normalised Gaussians (T, N), evenly spaced from start to end."""
+def _basis(time: Float[np.ndarray, " times"], start: float, end: float) -> Float[np.ndarray, "times weights"]:
+    """Normalised Gaussians, evenly spaced from start to end."""
     count = max(4, round((end - start) / SPACING) + 1)
     centers = np.linspace(start, end, count)
     width = (end - start) / (count - 1)

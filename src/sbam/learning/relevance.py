@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float
 
 from sbam.constraints import RegionPair, constraint_type
 from sbam.learning.generalization import GeneralizedChange
 from sbam.learning.keypoints import keypoint_histogram, keypoint_times
 from sbam.learning.model import ActionModel
-
-Array = NDArray[np.float64]
 
 FIXED = 0.1
 """A pair whose spread falls below this part of the layouts' spread is fixed at that time (K-VIL)."""
@@ -90,8 +88,8 @@ def pruned(model: ActionModel, precision: float = 0.6) -> ActionModel:
     return replace(model, changes=changes, keypoint_times=keypoint_times(histogram, anchors))
 
 
-def _spread(change: GeneralizedChange, time: Array) -> Array:
-    """Spread (K,) of a pair, in the unit of its type."""
+def _spread(change: GeneralizedChange, time: Float[np.ndarray, " times"]) -> Float[np.ndarray, " times"]:
+    """Spread of a pair, in the unit of its type."""
     mean, std = change.at(time)
     return constraint_type(change.constraint).spread(std, mean)
 
@@ -113,7 +111,9 @@ def _layout_spreads(model: ActionModel) -> dict[str, float]:
     return result
 
 
-def _motion(model: ActionModel, change: GeneralizedChange, time: Array) -> NDArray[np.bool_]:
+def _motion(
+    model: ActionModel, change: GeneralizedChange, time: Float[np.ndarray, " times"]
+) -> Bool[np.ndarray, " times"]:
     """When one of the pair's objects is held; always, if none is."""
     during = np.zeros(len(time), dtype=bool)
     for hold in model.holds:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 from sbam.errors import BindingError, UnknownNameError
 from sbam.learning.model import Role
@@ -70,7 +70,7 @@ def _cost(role: Role, model: ObjectModel) -> float:
 
 
 def _apply_choices(
-    cost: NDArray[np.float64],
+    cost: Float[np.ndarray, "roles objects"],
     roles: Sequence[Role],
     names: tuple[str, ...],
     objects: Mapping[str, ObjectModel],
@@ -92,7 +92,7 @@ def _apply_choices(
         cost[row, column] = kept
 
 
-def _assign(cost: NDArray[np.float64]) -> tuple[list[int], float]:
+def _assign(cost: Float[np.ndarray, "roles objects"]) -> tuple[list[int], float]:
     from scipy.optimize import linear_sum_assignment
 
     if cost.shape[0] > cost.shape[1]:
@@ -102,7 +102,12 @@ def _assign(cost: NDArray[np.float64]) -> tuple[list[int], float]:
 
 
 def _refuse_ambiguity(
-    cost: NDArray[np.float64], row: int, columns: list[int], total: float, role: Role, names: tuple[str, ...]
+    cost: Float[np.ndarray, "roles objects"],
+    row: int,
+    columns: list[int],
+    total: float,
+    role: Role,
+    names: tuple[str, ...],
 ) -> None:
     without = cost.copy()
     without[row, columns[row]] = _IMPOSSIBLE

@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from jaxtyping import Float, Int
 
 _FIRST_SPLITS = 16
 """Split points that are tried at first, evenly spread..."""
@@ -19,13 +17,16 @@ _SAMPLES_PER_STRIDE = 4
 
 
 def segment(
-    time: Array, value: Array, threshold: float, knots: Sequence[int] | NDArray[np.int64] = ()
-) -> NDArray[np.int64]:
+    time: Float[np.ndarray, " samples"],
+    value: Float[np.ndarray, " samples"],
+    threshold: float,
+    knots: Sequence[int] | Int[np.ndarray, " knots"] = (),
+) -> Int[np.ndarray, " kept"]:
     """Samples that a polyline must keep: top-down by area, then one pass that drops or moves each split point.
 
     Args:
-        time: (T,) s, strictly increasing.
-        value: (T,) samples of one channel.
+        time: s, strictly increasing.
+        value: samples of one channel.
         threshold: largest area between the samples and one segment, unit of ``value`` times s.
         knots: samples that are kept in any case.
 
@@ -47,7 +48,12 @@ def segment(
 
 
 def _final_pass(
-    time: Array, value: Array, weight: Array, threshold: float, points: list[int], fixed: set[int]
+    time: Float[np.ndarray, " samples"],
+    value: Float[np.ndarray, " samples"],
+    weight: Float[np.ndarray, " samples"],
+    threshold: float,
+    points: list[int],
+    fixed: set[int],
 ) -> list[int]:
     result = [points[0]]
     for point, after in pairwise(points[1:]):
@@ -58,8 +64,8 @@ def _final_pass(
     return [*result, points[-1]]
 
 
-def _trapezoid_weights(time: Array) -> Array:
-    """Weights (T,) with which samples add up to an area."""
+def _trapezoid_weights(time: Float[np.ndarray, " samples"]) -> Float[np.ndarray, " samples"]:
+    """Weights with which samples add up to an area."""
     step = np.diff(time)
     weight = np.zeros_like(time)
     weight[:-1] += 0.5 * step
@@ -67,14 +73,26 @@ def _trapezoid_weights(time: Array) -> Array:
     return weight
 
 
-def _area(time: Array, value: Array, weight: Array, start: int, end: int) -> float:
+def _area(
+    time: Float[np.ndarray, " samples"],
+    value: Float[np.ndarray, " samples"],
+    weight: Float[np.ndarray, " samples"],
+    start: int,
+    end: int,
+) -> float:
     """Area between the samples and the chord from sample ``start`` to ``end``."""
     t, y = time[start : end + 1], value[start : end + 1]
     slope = (y[-1] - y[0]) / (t[-1] - t[0])
     return float(np.abs(y - y[0] - slope * (t - t[0])) @ weight[start : end + 1])
 
 
-def _best_split(time: Array, value: Array, weight: Array, start: int, end: int) -> int:
+def _best_split(
+    time: Float[np.ndarray, " samples"],
+    value: Float[np.ndarray, " samples"],
+    weight: Float[np.ndarray, " samples"],
+    start: int,
+    end: int,
+) -> int:
     """The sample between ``start`` and ``end`` with the least area to the two chords that meet there."""
     stride = -(-(end - start - 1) // _FIRST_SPLITS)
     splits = np.arange(start + 1 + (stride - 1) // 2, end, stride)
@@ -90,9 +108,15 @@ def _best_split(time: Array, value: Array, weight: Array, start: int, end: int) 
 
 
 def _split_areas(
-    time: Array, value: Array, weight: Array, start: int, end: int, splits: NDArray[np.int64], step: int
-) -> Array:
-    """Area (K,) between every ``step``-th sample and the chords start - split - end for K splits, up to a factor."""
+    time: Float[np.ndarray, " samples"],
+    value: Float[np.ndarray, " samples"],
+    weight: Float[np.ndarray, " samples"],
+    start: int,
+    end: int,
+    splits: Int[np.ndarray, " splits"],
+    step: int,
+) -> Float[np.ndarray, " splits"]:
+    """Area between every ``step``-th sample and the chords start - split - end for each split, up to a factor."""
     t, y = time[start : end + 1 : step], value[start : end + 1 : step]
     t_split, y_split = time[splits, None], value[splits, None]
     before = (y_split - value[start]) / (t_split - time[start])

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.constraints import RegionPair, RegionReference, constraint_type
@@ -19,8 +19,6 @@ from sbam.learning.pairs import against_support, candidate_pairs, pair_constrain
 from sbam.learning.segmentation import segment
 from sbam.learning.settings import LearningSettings
 from sbam.scene.object_model import ObjectModel
-
-Array = NDArray[np.float64]
 
 _SAME_TIME = 1e-6
 """A sample this close to an event gives way to it, s."""
@@ -35,7 +33,7 @@ class SketchedRole:
         object: name of the object model.
         affordances: those of its affordances that appear in the watched pairs.
         moves: whether it was moved.
-        start: (R, 3) where the centres of its regions were at the start, rows as ``affordances``, agent frame, m; None
+        start: where the centres of its regions were at the start, rows as ``affordances``, agent frame, m; None
             in models of earlier versions.
     """
 
@@ -43,7 +41,7 @@ class SketchedRole:
     object: str
     affordances: tuple[str, ...]
     moves: bool
-    start: Array | None = None
+    start: Float[np.ndarray, "regions 3"] | None = None
 
 
 @dataclass(frozen=True)
@@ -55,7 +53,7 @@ class SketchedHold:
         hand: by which hand; None if the recording has no hands.
         grasp: s from the start of the demonstration.
         release: s from the start of the demonstration.
-        hand_position: (3,) from the object's origin to the hand at the grasp, agent axes, m; None without hands.
+        hand_position: from the object's origin to the hand at the grasp, agent axes, m; None without hands.
         side: x of the object in the agent frame at the grasp, m: negative is to the agent's left.
     """
 
@@ -63,16 +61,16 @@ class SketchedHold:
     hand: Hand | None
     grasp: float
     release: float
-    hand_position: Array | None
+    hand_position: Float[np.ndarray, " 3"] | None
     side: float
 
 
 @dataclass(frozen=True)
 class ChannelCandidates:
-    """Keypoint candidates of one channel: (N,) times from the start of the demonstration, s, and values."""
+    """Keypoint candidates of one channel: times from the start of the demonstration, s, and values."""
 
-    time: Array
-    value: Array
+    time: Float[np.ndarray, " candidates"]
+    value: Float[np.ndarray, " candidates"]
 
 
 @dataclass(frozen=True)
@@ -118,8 +116,8 @@ class DemonstrationSketch:
         """The same without the keypoint candidates."""
         return replace(self, candidates=())
 
-    def region_at_start(self, region: RegionReference) -> Array | None:
-        """Where the centre of a region was at the start, (3,) m, agent frame; None if it was not kept."""
+    def region_at_start(self, region: RegionReference) -> Float[np.ndarray, " 3"] | None:
+        """Where the centre of a region was at the start, m, agent frame; None if it was not kept."""
         role = next((role for role in self.roles if role.role == region.role), None)
         if role is None or role.start is None or region.affordance not in role.affordances:
             return None
@@ -239,16 +237,18 @@ def _candidates(
     return tuple(result)
 
 
-def constraint_values(constraint: str, d: Array) -> Array:
-    """Channels (T, C) of a vector over time (T, 3), m; azimuths unwrapped along time."""
+def constraint_values(constraint: str, d: Float[np.ndarray, "samples 3"]) -> Float[np.ndarray, "samples channels"]:
+    """Channels of a vector over time, m; azimuths unwrapped along time."""
     kind = constraint_type(constraint)
     values = kind.channels(d)
     values[:, kind.circular] = np.unwrap(values[:, kind.circular], axis=0)
     return values
 
 
-def _sample_times(own_time: Array, rate: float | None, knot_times: list[float]) -> Array:
-    """Times (N,) at which a demonstration is looked at: thinned to ``rate``, with its events."""
+def _sample_times(
+    own_time: Float[np.ndarray, " frames"], rate: float | None, knot_times: list[float]
+) -> Float[np.ndarray, " samples"]:
+    """Times at which a demonstration is looked at: thinned to ``rate``, with its events."""
     duration = own_time[-1]
     if rate is not None and len(own_time) - 1 > rate * duration:
         own_time = np.linspace(0.0, duration, max(2, round(rate * duration) + 1))

@@ -11,12 +11,10 @@ from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float, Int
 
 from sbam.constraints import RegionReference
 from sbam.learning.sketch import DemonstrationSketch
-
-Array = NDArray[np.float64]
 
 CLEAR = 0.5
 """Two events are swapped if no demonstration lies in this gap between one order and the other, s."""
@@ -24,8 +22,8 @@ LEAST_MEMBERS = 2
 """An order that fewer demonstrations show is an exception, not a variant."""
 
 
-def order_groups(sketches: Sequence[DemonstrationSketch]) -> NDArray[np.int_]:
-    """Group (D,) of each demonstration, 0...; all 0 if lifts and places follow each other in the same order.
+def order_groups(sketches: Sequence[DemonstrationSketch]) -> Int[np.ndarray, " demonstrations"]:
+    """Group of each demonstration, 0...; all 0 if lifts and places follow each other in the same order.
 
     Args:
         sketches: D demonstrations. Only objects that are lifted and placed in each of them count.
@@ -47,18 +45,20 @@ def order_groups(sketches: Sequence[DemonstrationSketch]) -> NDArray[np.int_]:
     return groups if np.bincount(groups).min() >= LEAST_MEMBERS else np.zeros(len(sketches), dtype=int)
 
 
-def nearest_layout(sketches: Sequence[DemonstrationSketch], starts: Mapping[RegionReference, Array]) -> int | None:
+def nearest_layout(
+    sketches: Sequence[DemonstrationSketch], starts: Mapping[RegionReference, Float[np.ndarray, " 3"]]
+) -> int | None:
     """The demonstration in which the moved objects stood most as in a scene, relative to each other.
 
     Args:
         sketches: D demonstrations.
-        starts: region -> (3,) its centre in the scene at the start, agent frame, m.
+        starts: region -> its centre in the scene at the start, agent frame, m.
 
     Returns:
         Its index; None if fewer than two objects can be compared.
     """
     moved = {role.role for sketch in sketches for role in sketch.roles if role.moves}
-    places: dict[str, list[Array]] = {}
+    places: dict[str, list[Float[np.ndarray, " 3"]]] = {}
     for region, start in sorted(starts.items()):
         known = [sketch.region_at_start(region) for sketch in sketches]
         if region.role in moved and region.role not in places and not any(found is None for found in known):

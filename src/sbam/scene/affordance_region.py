@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 
 
 def is_support(affordance: str) -> bool:
@@ -19,12 +19,12 @@ class AffordanceRegion:
 
     Attributes:
         affordance: what the region affords, unique within its object: ``pour from``, ``place onto``...
-        center: centre of the ellipse, (3,), object frame, m.
-        half_axes: half-axes of the ellipse, (2,), m.
-        normal: unit normal of the ellipse's plane, (3,), object frame; points out of the object.
+        center: centre of the ellipse, object frame, m.
+        half_axes: half-axes of the ellipse, m.
+        normal: unit normal of the ellipse's plane, object frame; points out of the object.
     """
 
     affordance: str
-    center: NDArray[np.float64]
-    half_axes: NDArray[np.float64]
-    normal: NDArray[np.float64]
+    center: Float[np.ndarray, " 3"]
+    half_axes: Float[np.ndarray, " 2"]
+    normal: Float[np.ndarray, " 3"]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from jaxtyping import Float
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.scene.affordance_region import AffordanceRegion
@@ -39,14 +40,14 @@ def agent_heading_deg(T_world_agent: RigidTransform) -> float:
     return float(np.degrees(np.arctan2(matrix[1, 1], matrix[0, 1])))
 
 
-def upright_rotation(up: NDArray[np.float64], yaw_deg: float) -> Rotation:
+def upright_rotation(up: Float[np.ndarray, " 3"], yaw_deg: float) -> Rotation:
     """Rotation of a standing object, ``R_world_object``.
 
     At yaw 0 it is the shortest rotation that turns ``up`` to world +z (half a turn about x for an object whose up is
     -z), so that the local x axis of an object with up +y, +z or -z points along world +x.
 
     Args:
-        up: (3,) unit vector that points up when the object stands, object frame.
+        up: unit vector that points up when the object stands, object frame.
         yaw_deg: turn about world z after that, degrees.
     """
     axis = np.cross(up, [0.0, 0.0, 1.0])
@@ -56,8 +57,8 @@ def upright_rotation(up: NDArray[np.float64], yaw_deg: float) -> Rotation:
     return Rotation.from_euler("z", yaw_deg, degrees=True) * stand
 
 
-def region_centers(scene: Scene, affordance: str) -> Mapping[str, NDArray[np.float64]]:
-    """Where the regions with an affordance are at the start: object name -> (3,) centre, world, m."""
+def region_centers(scene: Scene, affordance: str) -> Mapping[str, Float[np.ndarray, " 3"]]:
+    """Where the regions with an affordance are at the start: object name -> centre, world, m."""
     return {
         name: scene.T_world_object[name].apply(region.center)
         for name, model in scene.objects.items()

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, TypeVar
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import FileFormatError, FileVersionError
@@ -177,7 +177,7 @@ class _Checker:
             raise FileFormatError(self.path, where, f"is {value:g}", "a number above 0")
         return float(value)
 
-    def unit(self, where: str, value: Vector) -> NDArray[np.float64]:
+    def unit(self, where: str, value: Vector) -> Float[np.ndarray, " 3"]:
         vector = np.array(value, dtype=float)
         length = float(np.linalg.norm(vector))
         if abs(length - 1) > UNIT_TOLERANCE:
@@ -194,7 +194,7 @@ class _Checker:
             raise FileFormatError(self.path, where, f"is {value}", "0 for round, or 3 and more")
         return value
 
-    def color(self, where: str, value: Sequence[float]) -> NDArray[np.float64]:
+    def color(self, where: str, value: Sequence[float]) -> Float[np.ndarray, " 4"]:
         for index, component in enumerate(value):
             if not 0 <= component <= 1:
                 raise FileFormatError(self.path, f"{where}[{index}]", f"is {component:g}", "0 to 1")

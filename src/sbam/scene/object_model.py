@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform
 
 from sbam.errors import UnknownNameError
@@ -20,15 +20,15 @@ class Primitive:
     Attributes:
         kind: ``box`` (size = half-extents), ``cylinder`` and ``capsule`` (size = radius, half-length along local z),
             ``sphere`` (size = radius); m.
-        size: (3,), (2,) or (1,) m, as ``kind`` says.
+        size: m; three numbers, two or one, as ``kind`` says.
         T_object_primitive: pose in the object's frame.
-        rgba: colour, (4,), 0 to 1.
+        rgba: colour, 0 to 1.
     """
 
     kind: Literal["box", "cylinder", "capsule", "sphere"]
-    size: NDArray[np.float64]
+    size: Float[np.ndarray, " sizes"]
     T_object_primitive: RigidTransform
-    rgba: NDArray[np.float64]
+    rgba: Float[np.ndarray, " 4"]
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class GraspRegion:
     Attributes:
         name: unique within the object, such as ``body`` or ``handle left``.
         kind: ``around`` for vessels held from the side, ``across`` for bars held across their axis.
-        center: a point on the axis, (3,), object frame, m.
-        axis: unit axis of the vessel or bar, (3,), object frame; for vessels it points up when the object stands.
+        center: a point on the axis, object frame, m.
+        axis: unit axis of the vessel or bar, object frame; for vessels it points up when the object stands.
         half_length: how far along the axis from ``center`` a hand may hold, m.
         width: outer diameter, or the distance of opposite faces, m.
         faces: number of flat faces around the axis (4 for a square carton), or 0 for round.
@@ -47,8 +47,8 @@ class GraspRegion:
 
     name: str
     kind: Literal["around", "across"]
-    center: NDArray[np.float64]
-    axis: NDArray[np.float64]
+    center: Float[np.ndarray, " 3"]
+    axis: Float[np.ndarray, " 3"]
     half_length: float
     width: float
     faces: int = 0
@@ -59,14 +59,14 @@ class VesselProfile:
     """The hollow of a round vessel about its ``up`` axis, through the object's origin, for physics.
 
     Attributes:
-        heights: (P,) along ``up`` from the origin, increasing from the inner floor to the mouth, m.
-        radii: (P,) inner radius at each height, linear between them, m.
+        heights: along ``up`` from the origin, increasing from the inner floor to the mouth, m.
+        radii: inner radius at each height, linear between them, m.
         wall: thickness of the walls, m.
         fill: level to which the vessel is filled, same axis, m; None for a vessel that starts empty.
     """
 
-    heights: NDArray[np.float64]
-    radii: NDArray[np.float64]
+    heights: Float[np.ndarray, " levels"]
+    radii: Float[np.ndarray, " levels"]
     wall: float
     fill: float | None = None
 
@@ -91,7 +91,7 @@ class ObjectModel:
         affordance_regions: its regions, unique by affordance.
         geometry: primitives for drawing, collision and physics.
         grasp_regions: where hands can hold it.
-        up: unit vector that points up when the object stands, (3,), object frame.
+        up: unit vector that points up when the object stands, object frame.
         movable: False for furniture.
         mass: kg.
         description: what it is and where its numbers come from.
@@ -102,7 +102,7 @@ class ObjectModel:
     affordance_regions: tuple[AffordanceRegion, ...]
     geometry: tuple[Primitive, ...]
     grasp_regions: tuple[GraspRegion, ...]
-    up: NDArray[np.float64]
+    up: Float[np.ndarray, " 3"]
     movable: bool
     mass: float
     description: str = ""

@@ -13,7 +13,7 @@ from typing import Any
 import msgspec
 import numpy as np
 import yaml
-from numpy.typing import NDArray
+from jaxtyping import Float
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.errors import FileFormatError, UnknownNameError
@@ -155,7 +155,7 @@ def _rotation(entry: _Object, model: ObjectModel, path: Path, where: str) -> Rot
     return Rotation.from_quat(quaternion, scalar_first=entry.rotation_wxyz is not None)
 
 
-def _refuse_millimetres(positions: Mapping[str, NDArray[np.float64]], path: Path) -> None:
+def _refuse_millimetres(positions: Mapping[str, Float[np.ndarray, " 3"]], path: Path) -> None:
     """Raise where coordinates or distances are too large to be metres."""
     for where, position in positions.items():
         if (largest := float(np.abs(position).max())) > LARGEST_COORDINATE:
