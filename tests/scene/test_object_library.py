@@ -170,6 +170,6 @@ def test_resting_heights_of_the_recordings_fit_the_table(library: ObjectLibrary,
             radius = model.geometry[0].size[0] if name == "rolling_pin" else 0.0
             bottom = pose.translation - np.array([0, 0, radius])
             offsets.append((table.inv().apply(bottom) - top.center) @ top.normal)
-    assert len(offsets) == 5
+    assert len(offsets) >= 5
     assert np.abs(offsets).max() < 0.005
     assert abs(np.mean(offsets)) < 0.002
