@@ -11,9 +11,9 @@ import pytest
 from hypothesis import Phase, settings
 from scipy.spatial.transform import RigidTransform, Rotation
 
-# Shapes and number types in annotations are checked in tests, never in use. Left out: rooms whose annotations do not
-# say shapes.
-jaxtyping.install_import_hook(["sbam.constraints", "sbam.scene", "sbam.learning"], "beartype.beartype")
+# Shapes and number types in annotations are checked in tests, never in use. Left out is what is called in inner loops,
+# where it would take too long: learning alone half as long again.
+jaxtyping.install_import_hook(["sbam.constraints", "sbam.scene"], "beartype.beartype")
 
 from sbam.demonstrations.scenes import starting_scene
 from sbam.demonstrations.synthetic import built_in_demonstrations

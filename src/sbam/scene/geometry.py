@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float
-from numpy.typing import ArrayLike
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from sbam.scene.affordance_region import AffordanceRegion
@@ -17,11 +16,11 @@ AGENT_DISTANCE = 0.45
 """How far before the objects an agent stands where a scene does not say it, m (as people do at a table)."""
 
 
-def agent_pose(position: ArrayLike, heading_deg: float) -> RigidTransform:
+def agent_pose(position: Float[np.ndarray, " 3"] | Sequence[float], heading_deg: float) -> RigidTransform:
     """The agent frame ``T_world_agent``: x right, y forward, z up.
 
     Args:
-        position: (3,) origin, on the support surface under the agent's trunk, world, m.
+        position: origin (x, y, z), on the support surface under the agent's trunk, world, m.
         heading_deg: angle of the agent's forward axis about world z, from world +x, degrees.
     """
     rotation = Rotation.from_euler("z", heading_deg - 90.0, degrees=True)
