@@ -25,9 +25,10 @@ from sbam.tasks.action import Action
 
 REPOSITORY = Path(__file__).parents[1]
 
-if "MUTANT_UNDER_TEST" in os.environ:  # an example that finds a planted fault need not be made small
-    settings.register_profile("mutants", phases=(Phase.explicit, Phase.generate), database=None)
-    settings.load_profile("mutants")
+settings.register_profile("no deadline", deadline=None)  # how long an example takes is the machine's affair
+# An example that finds a planted fault need not be made small.
+settings.register_profile("mutants", deadline=None, phases=(Phase.explicit, Phase.generate), database=None)
+settings.load_profile("mutants" if "MUTANT_UNDER_TEST" in os.environ else "no deadline")
 
 
 @pytest.fixture(scope="session")

@@ -1,5 +1,4 @@
 import json
-import time
 from dataclasses import asdict
 from pathlib import Path
 
@@ -50,10 +49,10 @@ def test_an_interrupted_sweep_goes_on_and_has_its_tables(swept, tmp_path: Path, 
         with pytest.raises(KeyboardInterrupt):
             sweep(tmp_path, ["rolling"], constraints=["cartesian"], scenes=2, jobs=1)
     assert "of 1 (" in (tmp_path / "success.md").read_text()
-    begin = time.perf_counter()
-    again = sweep(tmp_path, ["rolling"], constraints=["cartesian"], scenes=1, jobs=1)
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "run_case", interrupted)  # nothing is tried again
+        again = sweep(tmp_path, ["rolling"], constraints=["cartesian"], scenes=1, jobs=1)
     assert again["rows"] == report["rows"]
-    assert time.perf_counter() - begin < 3.0
     # a trial that another version of the code made
     trial = tmp_path / "trials" / kept.name
     content = json.loads(trial.read_text())

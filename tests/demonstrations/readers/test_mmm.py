@@ -4,6 +4,7 @@ import json
 import re
 import time as clock
 
+import defusedxml.ElementTree
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -258,17 +259,20 @@ def test_file_of_a_later_version(write_mmm, mmm_motion, motion):
         read_demonstration(write_mmm(mmm_motion("milk_small", *motion), '<SBAM format_version="99"/>'))
 
 
-def test_a_minute_at_100_hz_is_read_in_two_seconds(write_mmm, mmm_motion, table):
+def test_a_minute_at_100_hz_takes_little_longer_than_parsing_it(write_mmm, mmm_motion, table):
     time = np.arange(6000) / 100
     path = np.stack([200 * np.sin(time), 200 * np.cos(time), 900 + 50 * np.sin(3 * time)], axis=-1).round(3)
     angles = np.stack([1.5 + 0.3 * np.sin(time)] * 3, axis=-1).round(6)
     person = mmm_motion("1480", time, path, 0 * path + [0, 0, 1.6], sensors=person_markers(time, path))
     file = write_mmm(*(mmm_motion(n, time, path, angles) for n in ("milk_small", "cup_small")), person, table)
-    start = clock.process_time()
-    demonstration = read_demonstration(file)
-    seconds = clock.process_time() - start
-    assert set(demonstration.T_world_hand) == {"left", "right"}
-    assert seconds < 2.0
+
+    def seconds(read) -> float:
+        start = clock.process_time()
+        read(file)
+        return clock.process_time() - start
+
+    assert set(read_demonstration(file).T_world_hand) == {"left", "right"}
+    assert min(seconds(read_demonstration) for _ in range(2)) < 4.0 * seconds(defusedxml.ElementTree.parse)
 
 
 def person_markers(time, path) -> str:
