@@ -13,7 +13,8 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 # Shapes and number types in annotations are checked in tests, never in use. Left out is what is called in inner loops,
 # where it would take too long: learning alone half as long again.
-jaxtyping.install_import_hook(["sbam.constraints", "sbam.scene"], "beartype.beartype")
+WHOLE_NUMBERS_TOO = "beartype.beartype(conf=beartype.BeartypeConf(is_pep484_tower=True))"  # where a float is meant
+jaxtyping.install_import_hook(["sbam.constraints", "sbam.scene"], WHOLE_NUMBERS_TOO)
 
 from sbam.demonstrations.scenes import starting_scene
 from sbam.demonstrations.synthetic import built_in_demonstrations
